@@ -1,10 +1,10 @@
-//! The laws of methods.md 2 on random rows over a scalp: the braid as it comes, sunk, loose and uneven, and the hair of its ground
-//! through it, on rows that are straight, bent, winding, cusped and thrown.
+//! The laws of methods.md 2 on random rows over a scalp: the braid by default, sunk, loose and uneven, and the hair of
+//! its territory through it, on rows that are straight, bent, winding, cusped and random.
 //!
-//! Of ten thousand rows in release, forty in the dev build. On any row: as many strands as asked, finite, framed, nowhere
-//! under the skin; as many hairs as roots, whole, from their roots, nowhere under the skin, with no jump; on rows that a braid can
-//! follow, the word of the strands. All rows that break a law are told. That hair keeps to its strand is looked at in
-//! `hair_laws.rs`.
+//! Ten thousand rows in release, forty in the dev build. On any row: as many strands as requested, finite, framed,
+//! nowhere below the skin; as many hairs as roots, complete, starting at their roots, nowhere below the skin, without
+//! jumps; on rows that a braid can follow, the word of the strands. All rows that break a law are reported.
+//! `hair_laws.rs` tests that hair stays in its strand.
 
 use super::any_source::{MANY, each_of};
 use super::laws::{Set, counted, set};
@@ -31,13 +31,13 @@ enum Kind {
     Thrown,
 }
 
-/// Rows beyond those of the dev build: one whose outer strands bulged past each other (12 strands, loose), and one whose word is
-/// seen from aside alone.
+/// Rows beyond those of the dev build: one whose outer strands bulged past each other (12 strands, loose), and one
+/// whose word is visible only from the side.
 const ONCE_BROKEN: [u64; 2] = [9341, 2177];
 /// Radius of `shared_ball`, cm.
 const BALL: f32 = 8.9;
 
-/// A row over the ball for a braid `width` cm wide, and whether that can follow it.
+/// A row over the ball for a braid `width` cm wide, and whether the braid can follow it.
 fn row(dice: Dice, id: u64, width: f32) -> (Kind, Vec<Vec3>, bool) {
     let kind =
         [Kind::Straight, Kind::Bent, Kind::Winding, Kind::Cusped, Kind::Thrown][(id % 5) as usize];
@@ -49,7 +49,7 @@ fn row(dice: Dice, id: u64, width: f32) -> (Kind, Vec<Vec3>, bool) {
     let n = if cusped || kind == Kind::Thrown { few } else { 40 };
     let step = length / n as f32;
     let (y, x) = sin_cos_turns(dice.unit(id, 5));
-    // Begun amid the grown region of the ball, which is its upper part.
+    // Begins inside the grown region of the ball, its upper part.
     let mut at = Vec3::new(0.5 * x, 1.0, 0.5 * y).normalize();
     let (turn_s, turn_c) = sin_cos_turns(dice.unit(id, 6));
     let mut ahead = any_normal(at) * turn_c + any_normal(at).cross(at) * turn_s;
@@ -58,7 +58,7 @@ fn row(dice: Dice, id: u64, width: f32) -> (Kind, Vec<Vec3>, bool) {
         let along = (k as f32 + 0.5) * step;
         let turn = match kind {
             Kind::Straight => 0.0,
-            // Not once round: it would come back to itself.
+            // Not all the way around: it would come back to itself.
             Kind::Bent => step / radius.max(length / 5.0),
             // No more sharply than at four widths.
             Kind::Winding => step / (2.0 * width) * sin_cos_turns(along / wave).1.min(0.8) * 0.6,
@@ -123,8 +123,8 @@ fn one(dice: Dice, id: u64) -> usize {
     }
     if follows {
         let want = path_signs(&Weave::new(n as u32, default_frequency(n as u32), under, false));
-        // Seen from a little aside a braid is the same; the outermost of twelve strands cross 2 % of the width from the edge, where
-        // a degree between these frames and the braid's own changes their order.
+        // Seen slightly from the side, a braid is the same; the outermost of twelve strands cross 2 % of the width from
+        // the edge, where a degree between these frames and the braid's own changes their order.
         let seen_from = |aside: f32| {
             let (sin, cos) = sin_cos(aside.to_radians());
             let frames = on_ball(&points);

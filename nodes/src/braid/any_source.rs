@@ -1,9 +1,8 @@
 //! The laws of methods.md 2 on thousands of random sources: straight, bent, spiral, and with cusps.
 //!
-//! Of each of two seeds ten thousand in release (`tests/run.sh --long`), a hundred in the dev build. Overlap is
-//! promised where the source turns no more sharply than the braid can follow; everything else on any source, the word of those
-//! whose stitches are a length that can be braided.
-//! All sources that break a law are told.
+//! Ten thousand sources for each of two seeds in release (`tests/run.sh --long`), a hundred in the dev build. Overlap
+//! is tested where the source turns no more sharply than the braid can follow; everything else on any source, and the
+//! word on those whose stitch length can be braided. All sources that break a law are reported.
 
 use super::laws::{Set, bare, braid, counted, helix, set, straight};
 use super::reading::{Strand, braid_signs, carried, overlap, path_signs, unevenness};
@@ -14,10 +13,11 @@ use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
-/// How many sources.
+/// Number of sources.
 pub(super) const MANY: u64 = if cfg!(debug_assertions) { 100 } else { 10_000 };
 const THREADS: u64 = 2;
-/// Sources beyond those of the dev build whose words were broken before strands got points by their own length.
+/// Sources beyond those of the dev build whose words were broken before strands got points according to their own
+/// length.
 const ONCE_BROKEN: [u64; 12] =
     [2724, 2869, 3093, 3664, 5053, 5494, 6399, 6729, 7599, 8469, 8669, 9654];
 
@@ -68,13 +68,13 @@ fn source(dice: Dice, id: u64, width: f32) -> (Kind, Vec<Vec3>, bool) {
     }
 }
 
-/// What was found on one source; the largest overlap where it was looked for.
+/// Result for one source; the largest overlap if it was measured.
 fn one(dice: Dice, id: u64) -> (Kind, f32) {
     let n = dice.below(id, 6, 11) as i64 + 2;
     let width = dice.range(id, 7, 0.3, 3.0);
     let (kind, points, follows) = source(dice, id, width);
     let spline = Spline::new(&points).unwrap();
-    // As many as 200, evenly over the orders of magnitude; no closer than a braid of this width can be made.
+    // Up to 200, evenly over the orders of magnitude; no closer than a braid of this width can be made.
     let most = (spline.length() / (0.45 * width)).clamp(1.0, 200.0);
     let share = dice.unit(id, 8);
     let stitches = if follows && !id.is_multiple_of(3) {
@@ -83,7 +83,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
         1.0 + 199.0 * share * share * share
     };
     let stitches = stitches.round();
-    // Closer than this strands wind up on each other; much longer, the source bends within a stitch.
+    // Closer than this, strands wind up on each other; much longer, the source bends within a stitch.
     let pitch = spline.length() / (stitches * width);
     let seen = (0.6..4.0).contains(&pitch);
     let follows = follows && seen;
@@ -157,7 +157,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
     (kind, most)
 }
 
-/// What is found for each of these, by two threads; or the law that is broken, in words.
+/// The results for these, on two threads; or the broken law, in words.
 pub(super) fn each_of<T: Send>(
     ids: &[u64],
     one: impl Fn(u64) -> T + Sync,

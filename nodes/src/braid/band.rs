@@ -1,8 +1,8 @@
-//! The band that ties a braid: a lock or an elastic wound round its hair where the tuft begins.
+//! The band that ties a braid: a lock or an elastic wound around its hair where the end tuft begins.
 //!
-//! Guarantees: turns lie beside each other on the hair of the strands, as wide as it is there, over the height asked for or, where
-//! braid or tuft are too short for that, over as much of it as they hold, which is told; out of the skin. Not promised: that single
-//! hairs that stand off are held by it.
+//! Guarantees: turns lie side by side on the hair of the strands, at its width there, over the requested height or, if
+//! the braid or tuft is too short for that, over as much of it as they hold, which is reported; out of the skin. Not
+//! promised: that the band holds single hairs that stand off.
 
 use super::tube::{Braid, Tube};
 use crate::data::scalp::Skin;
@@ -10,37 +10,37 @@ use crate::maths::frame::{across, any_normal};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
-/// What is asked of bands. Lengths in cm.
+/// Settings of bands. Lengths in cm.
 #[derive(Clone, Copy)]
 pub(super) struct Band {
     turns: f32,
     height: f32,
-    /// How much narrower the braid is in it.
+    /// How much the band narrows the braid.
     narrower: f32,
 }
 
-/// Points of a turn.
+/// CVs per turn.
 const OF_TURN: f32 = 16.0;
-/// How far the band's middle lies over the hair, in its radii: soft things pressed together.
+/// Height of the band's centre above the hair, in its radii: soft things pressed together.
 const PRESSED: f32 = 0.6;
-/// How far from its middle a band draws hair together, in its heights.
+/// Distance from its centre over which a band draws hair together, in its heights.
 const DRAWN: f32 = 1.5;
-/// How far behind the tie its middle lies, in its heights: behind the last crossing, which it leaves as it is.
+/// Distance of its centre behind the tie, in its heights: behind the last crossing, which it leaves unchanged.
 const BEHIND: f32 = 1.0;
 
 impl Band {
-    /// None of no turns; a band has one at least.
+    /// `None` for no turns; a band has at least one.
     pub(super) fn asked(turns: f32, height: f32, narrower: f32) -> Option<Self> {
         (turns > 0.0).then_some(Self { turns: turns.max(1.0), height, narrower })
     }
 
-    /// How much of its width the braid keeps so far (cm) from the middle of its band.
+    /// Fraction of its width that the braid keeps at this distance (cm) from the centre of its band.
     pub(super) fn keeps(&self, waist: &Waist, along: f32) -> f32 {
         let left = (DRAWN - along.abs() / waist.height.max(1e-6)).clamp(0.0, 1.0);
         1.0 - self.narrower * (left * left * (3.0 - 2.0 * left))
     }
 
-    /// The middle of a braid of these strands, as far as the band counts.
+    /// Centre line of a braid of these strands, as far as the band extends.
     pub(super) fn waist(&self, tubes: &[Tube], step: f32) -> Waist {
         let room = |most: f32, of: f32| most.min(of.floor().max(0.0));
         let before = tubes.iter().fold(f32::MAX, |most, t| room(most, t.tie));
@@ -48,7 +48,7 @@ impl Band {
         let middle = |k: f32| {
             tubes.iter().map(|t| t.section(t.tie + k).centre).sum::<Vec3>() / tubes.len() as f32
         };
-        // From the tie on, to so many heights of the band.
+        // From the tie on, up to this many heights of the band.
         let side = |steps: f32, sign: f32, heights: f32| {
             let mut at = vec![(middle(0.0), 0.0)];
             for k in 1..=steps as usize {
@@ -72,14 +72,15 @@ impl Band {
         Waist { at, first, height, limited: height < self.height }
     }
 
-    /// The line of the band round a braid, its radius, and the front of the braid there; none where it has nothing to hold.
+    /// The centre line of the band around a braid, its radius, and the front of the braid there; `None` if it has
+    /// nothing to hold.
     pub(super) fn round(
         &self,
         braid: &Braid,
         skin: Option<&Skin>,
     ) -> Option<(Vec<Vec3>, f32, Vec3)> {
         let waist = braid.waist.as_ref().filter(|waist| waist.height > 0.0)?;
-        // So many turns beside each other are one more thickness high.
+        // This many turns side by side are one thickness higher.
         let radius = 0.5 * waist.height / (self.turns + 1.0);
         let rise = waist.height - 2.0 * radius;
         let front = braid.tubes[0].front(braid.tubes[0].tie);
@@ -103,19 +104,20 @@ impl Band {
     }
 }
 
-/// The middle of a braid about the band that ties it.
+/// Centre line of a braid near the band that ties it.
 pub(super) struct Waist {
-    /// At whole steps of the strands: the middle, and how far (cm) along it that is behind the middle of the band.
+    /// At integer steps of the strands: the centre, and its distance (cm) behind the centre of the band.
     at: Vec<(Vec3, f32)>,
     /// The first of these steps, from the tie.
     first: f32,
-    /// Height of the band, cm: what was asked for, or what braid and tuft hold.
+    /// Height of the band, cm: the requested one, or what braid and tuft hold.
     height: f32,
     pub(super) limited: bool,
 }
 
 impl Waist {
-    /// The middle so many steps behind the tie, and how far (cm) behind the middle of the band that is; none beyond what the band counts for.
+    /// The centre this many steps behind the tie, and its distance (cm) behind the centre of the band; `None` outside
+    /// the band's influence.
     pub(super) fn at_step(&self, beyond: f32) -> Option<(Vec3, f32)> {
         let x = beyond - self.first;
         let k = x as usize;
@@ -126,7 +128,7 @@ impl Waist {
         })
     }
 
-    /// The middle so far (cm) behind that of the band, and how many steps behind the tie that is.
+    /// The centre at this distance (cm) behind that of the band, and its number of steps behind the tie.
     fn at(&self, along: f32) -> (Vec3, f32) {
         let after = self.at.partition_point(|(_, s)| *s <= along);
         let k = after.clamp(1, self.at.len().max(2) - 1) - 1;

@@ -1,13 +1,13 @@
-//! Braid hair: single hairs from the scalp through a braid to its tip.
+//! Hair through braids: single hairs from the scalp through a braid to its tip.
 //!
-//! methods.md 2, "Beyond". Braid territory says where a hair is rooted, the way it is combed and where along the row it
-//! joins; here it is led on: into the strand that is outermost at that stitch, through the braid within the strand's tube,
-//! to the tie and the brush behind it. The tables of a braid are in `tube.rs`.
+//! methods.md 2, "Beyond". Braid territory determines where a hair is rooted, how it is combed and where along the row
+//! it joins. From there this node continues it: into the outermost strand at that stitch, through the braid inside the
+//! strand's tube, to the tie and the end tuft. The tables of a braid are in `tube.rs`.
 //!
-//! The way of one hair is in `through.rs`, what hairs do of their own in `wander.rs`.
+//! The path of a hair is in `through.rs`, its random deviation in `wander.rs`.
 //!
-//! Guarantees: every hair is led by itself, so more of them change none; each tells its braid, strand and stitch, where it
-//! joins and which way the braid's front is there. Not promised: hairs clear of each other.
+//! Guarantees: every hair is independent, so that more hairs change none; each stores its braid, strand and stitch,
+//! where it joins, and the direction of the braid's front there. Not promised: hairs clear of each other.
 
 use super::band::Band;
 use super::braid_territory::ORDER;
@@ -28,58 +28,57 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 node! {
-    /// Fill braids with hair that grows: from its root over the scalp to its stitch, into the strand that is outermost
-    /// there, through the braid to the tie, and out into the tuft.
+    /// Fills braids with hair that grows: from its root over the scalp to its stitch, into the outermost braid strand
+    /// there, through the braid to the tie, and out into the end tuft.
     ///
-    /// Wire the hairs of the Braid territory, and strands and stitches of the Lissajous braid that is laid along the
-    /// territory's rows. Colour and width can be changed downstream; extension hair comes out by itself for a colour of
-    /// its own.
+    /// Wire the hairs of Territory of braids, and the strands and stitches of the Lissajous braid that runs along the
+    /// same rows. Set colour and width downstream. Extension hair has its own output, so it can have its own colour.
     "braid_hair", version 1, label "Hair through braids",
         words "strands plait french dutch cornrow canerow knotless knotted extension tuft tail pick up";
     inputs {
-        /// The hairs from their roots to the braid, from the Braid territory.
+        /// Hairs from their roots to the braid, from Territory of braids.
         roots: Curves, words("territory hairs");
-        /// The strands of the braids.
+        /// Strands of the braids.
         strands: Curves, words("tubes clusters");
-        /// The stitches of the braids.
+        /// Stitches of the braids.
         stitches: Option<Curves>, words("knots");
-        /// The head. Hair is kept out of it.
+        /// The head. Hair stays out of it.
         scalp: Option<Arc<Scalp>>;
-        /// How far hair fills its strand: 1 the tube that just touches its neighbours; more presses strands into one
-        /// another, which closes the windows between them. Varies along the strand.
+        /// How much of its strand the hair fills: 1 is the tube that just touches its neighbours; more presses strands
+        /// together and closes the gaps between them. Varies along the strand.
         fill: FieldInput = 1.3, hard(0.1, 3.0), soft(0.7, 1.5), unit(Ratio), words("fullness volume radius thickness");
-        /// How much broader than high strands are: soft hair gives way, so that the braid is closed and its stitches are
-        /// leaves instead of beads. 0 is round.
+        /// Extra width of a strand over its height: soft hair flattens, which closes the braid and turns its stitches
+        /// from beads into leaves. 0 is round.
         broad: f32 = 0.25, hard(-0.5, 2.0), soft(0.0, 0.8), unit(Ratio), words("flat wide leaf shape");
-        /// How much the hair of one stitch is gathered there: 0 joins evenly all along the braid, 1 all at one place.
+        /// How much the hair of one stitch gathers there: 0 joins evenly along the braid, 1 all at one point.
         bundling: f32 = 0.6, hard(0.0, 1.0), unit(Ratio), words("clump gather stitch grouping");
-        /// Over how many stitches a hair works its way from the edge of the strand to its place in it.
+        /// Number of stitches over which a hair moves from the edge of its strand to its place inside.
         settling: f32 = 0.8, hard(0.05, 10.0), soft(0.2, 3.0), words("blend merge");
-        /// Turn of each strand in itself, degrees for each centimetre.
+        /// Twist of each strand about itself, in degrees per cm.
         twist: f32 = 0.0, hard(-3600.0, 3600.0), soft(-180.0, 180.0), unit(Angle), words("rope roll spin");
 
         [RootAndTip]
         /// How a free braid begins.
         root_start: RootStart = RootStart::Knotless, words("box braid knotless knot base");
-        /// How much wider the braid is in the root knot than behind it: 0.5 is half as wide again.
+        /// Extra width of the root knot over the braid behind it: 0.5 is half as wide again.
         knot_size: f32 = 0.5, hard(0.0, 5.0), soft(0.0, 1.5), unit(Ratio), words("bulge");
         /// Length of the root knot.
         knot_length: f32 = 0.8, hard(0.01, 20.0), soft(0.2, 2.0), unit(Length);
-        /// How much shorter than the longest hairs are in the tuft. It makes a tip that thins out; 0 is cut straight.
+        /// Random shortening of hairs in the end tuft, which makes the tip thin out; 0 cuts it straight.
         tip_variation: f32 = 0.8, hard(0.0, 1.0), unit(Ratio), words("length random layers taper");
-        /// How the tuft narrows to its tip: 0 as wide as the strands say, 1 to a point.
+        /// Taper of the end tuft: 0 keeps the width of the strands, 1 ends in a point.
         tip_taper: f32 = 0.8, hard(0.0, 1.0), unit(Ratio), words("point brush");
-        /// How much hairs differ in direction in the tuft.
+        /// Random variation in direction within the end tuft.
         tip_frizz: f32 = 0.15, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("noise messy");
 
         [Tie]
-        /// Turns of a band round each braid at its tie, where a tuft hangs on behind it; less than one is one, and 0 ties
-        /// it with nothing to be seen.
+        /// Turns of the visible band around each tie that has an end tuft. Less than one counts as one; 0 ties the
+        /// braid invisibly.
         band_turns: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 6.0), words("elastic tie wrap bobble bead");
-        /// Length of the braid that the band covers.
+        /// Length of braid that the band covers.
         band_height: f32 = 0.7, hard(0.01, 10.0), soft(0.2, 2.0), unit(Length), words("elastic tie wrap bobble bead"),
             idle(|of| matches!(of("band_turns"), Some(Value::Float(0.0))).then_some("there is no band"));
-        /// How much narrower the braid is in its band: 0 as it comes, 0.5 half as wide.
+        /// How much the band narrows the braid: 0 not at all, 0.5 to half its width.
         band_tightness: f32 = 0.3, hard(0.0, 0.9), unit(Ratio), words("elastic tie squeeze pinch"),
             idle(|of| matches!(of("band_turns"), Some(Value::Float(0.0))).then_some("there is no band"));
 
@@ -90,28 +89,29 @@ node! {
         width_tip: f32 = 0.0075, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
 
         [Detail]
-        /// Points of a hair for one stitch. A hair has at most 255 in all; a longer one has fewer for each stitch.
+        /// CVs of a hair per stitch. A hair has at most 255 CVs in all; longer hairs get fewer per stitch.
         points_per_stitch: f32 = 6.0, hard(3.0, 64.0), soft(5.0, 16.0), unit(Count), words("cvs resolution density");
-        /// Whether lengths typed here grow with the head; the width of a hair never does.
+        /// Scale lengths with the size of the head. The width of a hair never scales.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How much hairs wander within their strand: 0 is combed smooth, 1 crosses all of it.
+        /// How much hairs wander within their strand: 0 is combed smooth, 1 crosses the whole strand.
         frizz: f32 = 0.06, hard(0.0, 1.0), unit(Ratio), words("noise messy definition texture");
-        /// Share of hairs that leave the braid somewhere and stand off.
+        /// Fraction of hairs that leave the braid and stand off.
         flyaways: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("stray frizz fuzz halo");
-        /// How far the longest flyaways stand off by their length.
+        /// How far the longest flyaways stand off, as the length of hair that leaves the braid.
         flyaway_length: f32 = 1.2, hard(0.05, 50.0), soft(0.3, 5.0), unit(Length);
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The hair that grows, with its braid, strand, stitch and side, the front of the braid where it joins, and the
-        /// fraction along the row at each point (before it joins, of the place where it will).
+        /// The growing hair, with its braid, strand, stitch and side, the front of the braid where it joins, and the
+        /// fraction along the row at each point (before it joins, that of the joining point).
         curves: Curves;
-        /// The extension hair that was fed in.
+        /// The extension hair fed into the braids.
         extension: Curves;
-        /// The bands that tie the braids: fill them with Cluster to strands, without its scalp, on which it would root them.
+        /// Bands that tie the braids. Fill them with Cluster to strands, but do not wire its scalp, which would root
+        /// them there.
         bands: Curves;
     }
 }
@@ -119,7 +119,7 @@ node! {
 choice! {
     /// How a free braid begins.
     RootStart {
-        /// The hair runs straight in, and the braid grows from it.
+        /// Hair runs straight in, and the braid grows from it.
         Knotless = "knotless",
         /// A knot at the scalp.
         Knotted = "knotted",
@@ -129,7 +129,7 @@ choice! {
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    // Strands and stitches by row; a piece reads those of the rows that its hairs belong to.
+    // Strands and stitches by row; a work item reads those of the rows that its hairs belong to.
     let empty = Curves::default();
     let stitch_curves = inputs.stitches.as_ref().unwrap_or(&empty);
     let mut all = inputs.strands.tufts().to_vec();
@@ -224,7 +224,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [bands] =
         placed.each_item(tied, &Size::of(&[("bands", tied as f64)]), of_band, |n, piece| {
             let (tuft, mut out) = (&all.tufts()[n], TuftBuilder::new());
-            // A braid in several tufts is tied once.
+            // A braid stored in several tufts is tied once.
             let row = if tuft.is_empty() { None } else { Some(row_of(tuft, 0)) };
             let row = row.filter(|row| strands_of(*row) == Some(n));
             let (Some(band), Some(braid)) = (band, row.and_then(&of_row)) else {
@@ -252,14 +252,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves, extension, bands })
 }
 
-/// The points of all hairs between where they are in their braids and its tie, at least. Those that leave it before, and those
-/// that are as long as somebody said, may have fewer.
+/// Lower bound for the points of all hairs between entry and tie. Hairs that leave the braid before, and hairs with a
+/// given length, may have fewer.
 fn foreseen(inputs: &Inputs, stitches: &Curves) -> Size {
-    /// Stitches over which a hair may slide before it joins, and the one that it ends in.
+    /// Stitches over which a hair may slide before it joins, plus the one that it ends in.
     const SHORTER: f32 = 4.0;
-    /// Points may be so much farther apart than asked: on the inside of bends, and to end with a whole step.
+    /// Points may be this much farther apart than requested: on the inside of bends, and to end with a whole step.
     const FARTHER: f32 = 1.5;
-    // Number of stitches of a row, and how far along it the last one is.
+    // Number of stitches of a row, and the position of the last one along it.
     let mut rows: BTreeMap<u64, (usize, f32)> = BTreeMap::new();
     for (tuft, i) in stitches.each() {
         let row = rows.entry(row_of(tuft, i)).or_default();
@@ -284,7 +284,7 @@ fn foreseen(inputs: &Inputs, stitches: &Curves) -> Size {
     Size::of(&[("points of all hairs in their braids, at least", points * stay)])
 }
 
-/// Index under which a band's id is made from its braid.
+/// Index from which a band's id is made from its braid.
 const BANDS: u64 = 1 << 41;
 
 fn row_of(tuft: &Tuft, i: usize) -> u64 {
@@ -310,7 +310,7 @@ struct Filler<'a> {
     leader: Leader<'a>,
 }
 
-/// Hairs while they are made.
+/// Hairs under construction.
 #[derive(Default)]
 struct Made {
     hair: TuftBuilder,
@@ -334,7 +334,7 @@ impl Filler<'_> {
     ) -> Result<[Tuft; 2], NodeError> {
         let fed = tuft.view(FED);
         let along = tuft.view(ALONG);
-        // Hair that nobody counted, such as that of boxes, fills its strand evenly.
+        // Hair without a count, such as that of boxes, fills its strand evenly.
         let order: Option<View<f32>> = tuft.view_named(ORDER);
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
@@ -388,7 +388,7 @@ impl Filler<'_> {
         Ok(made.map(|made| self.described(made, tuft)))
     }
 
-    /// Where a hair enters, from the place along the row where it is combed to.
+    /// Entry point of a hair, from the position along the row that it is combed to.
     fn entry(
         &self,
         braid: &Braid,

@@ -1,12 +1,12 @@
 //! Braid territory: which hair each braid picks up, where, and how it is combed there.
 //!
-//! methods.md 2, "Beyond". Rows, their ground and the ways over it are in `ground.rs`. Every root of a row's ground joins
-//! once, where it is combed to; what is fed in joins as asked. Both are counted along the row, which tells how thick
-//! the braid is everywhere (`girth`).
+//! methods.md 2, "Beyond". Rows, their territories and the paths over them are in `ground.rs`. Every root of a row's
+//! territory joins once, where it is combed to; extension hair joins as requested. Both are counted along the row,
+//! which gives the thickness of the braid everywhere (`girth`).
 //!
-//! Guarantees: roots are spread evenly, bound to the scalp, and keep half a parting's width from every parting; a higher
-//! density only adds hairs; how much hair a row has along its way does not depend on the density. Not promised: ways
-//! free of the skin by more than the distance field errs (`braid_hair` sees to it).
+//! Guarantees: roots are evenly spread, bound to the scalp, and half a parting's width away from every parting; a
+//! higher density only adds hairs; the distribution of hair along a row does not depend on the density. Not promised:
+//! paths that clear the skin by more than the error of the distance field (`braid_hair` handles that).
 
 use super::ground::{Behind, Ground, Lane, Map, Owner, far_off};
 use super::tail::lengthened;
@@ -31,89 +31,88 @@ use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
 node! {
-    /// Share out the hair of a scalp among rows of braiding: every root of a row's ground is combed to where the braid
-    /// picks it up.
+    /// Divides the hair of a scalp among braid rows: every hair of a row's territory is combed to where the braid picks
+    /// it up.
     ///
-    /// Wire the rows that braids are laid along. Each root belongs to the row nearest to it; between two rows is a
-    /// parting. The hairs go to Braid hair, which leads them on into the strands. The rows come out again with the
-    /// attribute girth, how thick the braid is for the hair that it has there: wire them to the Lissajous braid and
-    /// multiply its width by that attribute, and it grows as hair is picked up.
+    /// Wire the rows that braids run along. Each root belongs to its nearest row, with a parting between rows. Wire the
+    /// hairs to Hair through braids. The rows come out with the attribute girth, the thickness that the braid needs for
+    /// the hair picked up so far: wire them to the Lissajous braid and multiply its width by girth.
     "braid_territory", version 1, label "Territory of braids",
         words "pick up section french dutch cornrow canerow feed in extension add gather roots comb parting row", thins;
     inputs {
-        /// The rows, root first: the curves that braids are to be laid along. Rows may go on beyond the scalp.
+        /// The rows, root first: the curves that the braids will follow. They may extend beyond the scalp.
         source: Curves, words("rows braids guides");
         /// The head.
         scalp: Arc<Scalp>;
-        /// Hairs on a square centimetre. People have 130 to 250.
+        /// Hairs per square centimetre. People have 130 to 250.
         density: f32 = 130.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number count");
-        /// Width of the bare skin of a parting between two rows; roots keep half of it from the middle.
+        /// Width of the bare skin of a parting between two rows. Roots stay half of it away from the middle.
         parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin clean");
-        /// How far beside the row the braid's edge is, where hair comes in.
+        /// Distance from the row to the edge of the braid, where hair enters.
         braid_width: f32 = 1.0, hard(0.0, 50.0), soft(0.2, 4.0), unit(Length), words("size");
-        /// Length of the hair. It may end within the braid, which gets thinner there. 0: all of it reaches the end.
+        /// Length of the hair. Short hair ends inside the braid and thins it there. 0: all of it reaches the end.
         length: FieldInput = 0.0, hard(0.0, 500.0), soft(0.0, 80.0), unit(Length), words("cut layers");
 
         [Placement]
-        /// How far from its row hair is picked up. 0: however far it is, as long as no other row is nearer.
+        /// Largest distance from which a row picks up hair. 0: no limit, as long as no other row is nearer.
         reach: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 15.0), unit(Length), words("distance section width"), handle(Handle::Radius);
-        /// How far behind the front of its row each braid begins: hair before that is combed back to the first stitch, the
-        /// section that the first strands are made of. A braid begins no farther than half as far as its row leads over the
-        /// scalp; one that stands up from the head begins at its root.
+        /// Distance from the front of its row to where each braid begins; hair in front of it is combed back to the
+        /// first stitch. Limited to half of the row's length on the scalp. A braid that stands up from the head begins
+        /// at its root.
         start: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 5.0), unit(Length), words("first section base");
-        /// Where on the scalp the last hair joins, as a fraction of the row's length there.
+        /// Where the last hair joins, as a fraction of the row's length on the scalp.
         until: f32 = 0.97, hard(0.05, 1.0), unit(Ratio), handle(Handle::Along), words("last end");
 
         [Shape]
-        /// How far hair is combed along the row on its way to it: 0 square, 80 nearly along it, negative against it.
-        /// Varies along the row.
+        /// Angle at which hair is combed along the row on its way to it: 0 is square, 80 nearly along it, negative
+        /// against it. Varies along the row.
         pull_angle: FieldInput = 45.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction back lead");
-        /// How hairs turn into the braid: 0 straight from root to braid, 100% they leave the parting square and end along
-        /// the braid.
+        /// How hair turns into the braid: 0 is straight from root to braid, 100% leaves the parting square and ends
+        /// along the braid.
         sweep: f32 = 0.45, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
-        /// How far each row goes on beyond its last point, hanging down and resting on head, neck and shoulders. 0: not at
-        /// all.
+        /// Length by which each row continues past its last point, hanging down over head, neck and shoulders. 0: not
+        /// at all.
         tail: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 60.0), unit(Length), words("hang free length pony"), handle(Handle::Length);
-        /// How far off the skin the tail keeps: about half the braid's height.
+        /// Height of the tail above the skin; about half the braid's height.
         tail_height: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("clearance");
 
         [Thickness]
         /// Extension hairs fed into each row: 0 for none.
         feed: FieldInput = 0.0, hard(0.0, 100000.0), soft(0.0, 5000.0), unit(Count), words("feed in extension knotless add braiding hair kanekalon jumbo");
-        /// Where along the row feeding begins. 0 is the first stitch.
+        /// Distance along the row at which feeding begins. 0 is the first stitch.
         feed_from: f32 = 1.0, hard(0.0, 100.0), soft(0.0, 10.0), unit(Length), words("extension knotless");
-        /// How much is fed in along the row, from where it begins (left) to the end (right). A fall to 0 early on feeds
-        /// it all in a few stitches.
+        /// Feeding rate along the row, from where it begins (left) to the end (right). A ramp that drops to 0 early
+        /// feeds all hair within a few stitches.
         feed_ramp: Arc<Ramp> = fading(), words("amount extension");
         /// Length of extension hair. 0: it reaches the end.
         feed_length: f32 = 0.0, hard(0.0, 500.0), soft(0.0, 120.0), unit(Length), words("extension");
 
         [Detail]
-        /// Points on each hair from its root to the braid.
+        /// CVs per hair, from its root to the braid.
         cvs: i64 = 9, hard(3.0, 64.0), soft(5.0, 24.0), unit(Count), words("points resolution");
-        /// Whether lengths grow with the head, and the density falls with its square.
+        /// Scale lengths with the size of the head; density is divided by its square, which keeps the number of hairs.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How much hairs differ in that angle.
+        /// Random variation of the pull angle.
         unevenness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("random variation natural loose messy");
-        /// How much shorter single hairs may be, when a length is given.
+        /// Random shortening of hairs, when a length is set.
         length_variation: f32 = 0.2, hard(0.0, 1.0), unit(Ratio), words("random layers");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The hairs from their roots to where they join the braid, with row, side and the place along the row.
+        /// The hairs from their roots to where they join the braid, with row, side and position along the row.
         curves: Curves;
-        /// The rows from where their braids begin, with the attributes girth (how thick the braid is there, 0 to 1) and
-        /// joined (the share of all hair that has joined up to there).
+        /// The rows, starting where their braids begin, with the attributes girth (thickness of the braid, 0 to 1) and
+        /// joined (fraction of all hair that has joined so far).
         source: Curves;
     }
 }
 
-/// Name of the share of a row's hair that joined before a hair does.
+/// Name of the fraction of a row's hair that joined before a given hair.
 pub(super) const ORDER: &str = "join_order";
-/// Name of the share of a row's hair that has joined up to a point of the row.
+/// Name of the fraction of a row's hair that has joined up to a point of the row.
 pub(super) const JOINED: &str = "joined";
 /// Name of the thickness of a braid at a point of its row, as a fraction of the largest.
 pub(super) const GIRTH: &str = "girth";
@@ -122,22 +121,23 @@ fn fading() -> Ramp {
     Ramp::new(Blend::Linear, vec![(0.0, 1.0), (0.25, 0.0)]).unwrap_or_else(|_| Ramp::constant(1.0))
 }
 
-/// Hairs on a cm2 (head units) from which thickness is counted, whatever the density is.
+/// Density of probe hairs per cm2 (head units) from which thickness is computed, whatever the density is.
 const PROBES: f32 = 24.0;
-/// Intervals along a row in which hairs are counted.
+/// Bins along a row in which hairs are counted.
 const BINS: usize = 256;
-/// The least thickness of a braid.
+/// Smallest thickness of a braid.
 const THIN: f32 = 0.12;
-/// Hair in a braid winds: so much longer is it than the braid.
+/// Length of hair per length of braid, since it winds.
 const CRIMP: f32 = 1.12;
-/// Index under which ids of extension hair begin.
+/// First index for ids of extension hair.
 const EXTENSION: u64 = 1 << 40;
-/// Roots found in one piece of work.
+/// Roots per work item.
 const BATCH: usize = 2048;
-/// Height of hairs over the skin, cm on a head of average size: the least, and what lies over each other adds.
+/// Height of hairs above the skin, cm on a head of average size: the minimum, and the addition for overlapping hair.
 const CLEAR: (f32, f32) = (0.025, 0.05);
 
-/// From where to where (cm from the row, on a head of average size) ways come to be bent over the ball of the head.
+/// Range of distances (cm from the row, on a head of average size) over which paths begin to bend over the ball of the
+/// head.
 const FAR: [f32; 2] = [4.0, 8.0];
 
 /// A root with its row.
@@ -187,7 +187,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         detour: Detour::new(scalp, &skin),
         skin,
     };
-    // So many of the list of even roots are hair; the probes may be more.
+    // The first part of the list of even roots is hair; there may be more probes.
     let density = inputs.density / (unit * unit);
     let last = cx.thinned((f64::from(density) * maker.even.area()).min(20e6) as usize);
     cx.may_make(&Size::of(&[
@@ -211,7 +211,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         });
     let source = Curves::new(source.collect());
 
-    // Hair of one row in parts, so that one large row keeps all threads busy.
+    // Hair of one row is split into parts, so that one large row keeps all threads busy.
     let maps: Vec<[OnceLock<Map>; 2]> = rows.iter().map(|_| Default::default()).collect();
     let mut parts = vec![];
     for i in 0..rows.len() {
@@ -230,7 +230,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let key = |n: usize| {
         let (i, from, to, fed) = parts[n];
         let mut key = KeyBuilder::new("territory").key(tufts[i].key()).int(u64::from(fed));
-        // The row before its braid begins, too.
+        // The row before its braid begins, as well.
         for p in ground.lanes[i].points() {
             key = p.to_array().into_iter().fold(key, KeyBuilder::float);
         }
@@ -255,7 +255,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 from..to,
             )]);
         }
-        // Of the probes, so that more hair changes no way.
+        // From the probes, so that more hair changes no path.
         let far = places[i][..probes[i]].iter().map(|place| place.owner.distance);
         let reach = far.fold(0.0f32, f32::max);
         let map = |side: i32| {
@@ -270,18 +270,18 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves, source })
 }
 
-/// Hairs in a piece of work.
+/// Hairs per work item.
 const PART: usize = 2048;
 
-/// How the hair of a row comes and goes along its braid.
+/// Distribution of a row's hair along its braid.
 struct Row {
-    /// Share of all hair that has joined up to each of the [`BINS`]' borders.
+    /// Fraction of all hair that has joined up to each border of the [`BINS`].
     joined: Vec<f32>,
     /// Thickness at the borders.
     girth: Vec<f32>,
-    /// Where extension hairs join, fractions of the braid, in the order of their ids.
+    /// Where extension hairs join, as fractions of the braid, in the order of their ids.
     feed: Vec<f32>,
-    /// What joins at the root, as a share of all.
+    /// Fraction of all hair that joins at the root.
     first: f32,
 }
 
@@ -297,7 +297,7 @@ struct Maker<'a> {
     detour: Detour<'a>,
 }
 
-/// What is asked of a row's hair, along it.
+/// Settings of a row's hair along the row.
 struct Wishes<'a> {
     tuft: &'a Tuft,
     curve: usize,
@@ -311,11 +311,11 @@ impl Maker<'_> {
         let length = self.inputs.length.on(tuft, Some(self.scalp))?;
         Ok(Wishes { tuft, curve, pull, length })
     }
-    /// The owner of a place, unless it lies in a parting or too far off.
+    /// The owner of a position, unless it lies in a parting or too far away.
     fn whose(&self, p: Vec3) -> Option<Owner> {
         self.owner(&self.scalp.closest_root(p)?)
     }
-    /// The owner of a root, unless it lies in a parting or too far off.
+    /// The owner of a root, unless it lies in a parting or too far away.
     fn owner(&self, root: &Root) -> Option<Owner> {
         let p = root.point;
         let section = match self.scalp.sections() {
@@ -333,7 +333,7 @@ impl Maker<'_> {
         let reach = self.inputs.reach * self.unit;
         (owner.ahead >= self.parting && (reach <= 0.0 || owner.distance <= reach)).then_some(owner)
     }
-    /// Roots by row, in the order in which density adds them, and how many of each row are probes.
+    /// Roots by row, in the order in which density adds them, and the number of probes of each row.
     fn places(&self, cx: &EvalCx, last: usize) -> Result<(Vec<Vec<Place>>, Vec<usize>), NodeError> {
         let probes = (f64::from(PROBES / (self.unit * self.unit)) * self.even.area()) as usize;
         let last = last.max(probes);
@@ -363,11 +363,11 @@ impl Maker<'_> {
         }
         Ok((rows, few))
     }
-    /// How far behind the front of its row a braid begins, cm.
+    /// Distance from the front of its row to the start of a braid, cm.
     fn start(&self, lane: &Lane) -> f32 {
         (self.inputs.start * self.unit).min(0.5 * lane.leads.min(lane.row.length()))
     }
-    /// The part of a row's source that is braided.
+    /// The braided part of a row's source.
     fn behind_start<'s>(&self, lane: &Lane, source: &'s Spline) -> Behind<'s> {
         Behind { source, from: self.start(lane) / lane.length }
     }
@@ -378,7 +378,7 @@ impl Maker<'_> {
         let pull = wishes.pull.along(wishes.tuft, wishes.curve, foot);
         let pull = pull + 14.0 * self.inputs.unevenness * self.dice.signed(id, 0);
         let shift = tan(pull.clamp(-80.0, 80.0).to_radians()) * place.owner.distance;
-        // Towards the last place where hair joins the shift gives way: nothing joins beyond it.
+        // The shift decreases toward the last joining position: nothing joins beyond it.
         let (here, last) = (foot * on_scalp, self.inputs.until * on_scalp);
         let room = (last - here).max(0.0);
         let x = match shift {
@@ -386,7 +386,7 @@ impl Maker<'_> {
             shift if shift > 0.0 => last,
             shift => (here + shift).clamp(0.0, last),
         };
-        // The first section is combed to the first stitch. Where that is nearer, what comes after catches up, so that neighbours
+        // The first section is combed to the first stitch. If that is nearer, later hair catches up, so that neighbours
         // stay neighbours.
         let start = self.start(lane);
         let behind = 2.0 * (x - self.inputs.start * self.unit);
@@ -436,7 +436,7 @@ impl Maker<'_> {
         }
         let most = alive.iter().fold(1e-6f32, |most, n| most.max(*n));
         let mut girth: Vec<f32> = alive.iter().map(|n| (n / most).sqrt().max(THIN)).collect();
-        // Counting in bins is rough; a braid is not.
+        // Counting in bins is coarse; smoothing gives a gradual braid.
         for _ in 0..6 {
             let before = girth.clone();
             for k in 1..BINS {
@@ -471,7 +471,7 @@ impl Maker<'_> {
         };
         Ok((0..count).map(place).collect())
     }
-    /// Leads a hair of a row past an ear: straight up where that stays on the row's ground, else towards the crown.
+    /// Leads a hair of a row past an ear: straight up if that stays in the row's territory, else toward the crown.
     fn past_ears(&self, way: &mut [Vec3], lane: u32) {
         let before = way.to_vec();
         let is_own = |p: &Vec3| {
@@ -509,7 +509,7 @@ impl Maker<'_> {
             let (u, length) = self.joins(lane, &wishes, place, id);
             let map = map(place.side);
             let from = map.locate(place.root.point, &mut found);
-            // Roots under the braid are combed along under it.
+            // Roots under the braid are combed along beneath it.
             let edge = 0.5 * self.inputs.braid_width * self.unit * girth_at(counted, u);
             let beside = edge.min(0.8 * map.beside(from));
             let end = (start + u * (lane.length - start)) / lane.row.length();
@@ -517,7 +517,7 @@ impl Maker<'_> {
             let high = (CLEAR.0 + CLEAR.1 * self.dice.unit(id, 2)) * self.unit;
             let foot = lane.foot(place.root.point, &place.owner, self.far());
             let first = points.len();
-            // What meets an edge, such as that of an ear, is led over it.
+            // A path that meets an edge, such as that of an ear, is led over it.
             for more in [0.0, 0.3, 0.6] {
                 points.truncate(first);
                 let sweep = (self.inputs.sweep + more).min(1.0);
@@ -554,18 +554,18 @@ impl Maker<'_> {
         lay::bind(&mut out, &roots);
         Ok(out.build())
     }
-    /// Whether a way leads through what stands off the head between its points.
+    /// Whether a path passes through something that sticks out from the head between its points.
     fn goes_under(&self, way: &[Vec3]) -> bool {
         way.windows(2).any(|w| {
             let deep = |t: f32| self.skin.about(w[0].lerp(w[1], t)) < -0.25 * self.unit;
             deep(0.33) || deep(0.67)
         })
     }
-    /// From where to where roots are far from their row.
+    /// Range of distances over which roots count as far from their row.
     fn far(&self) -> [f32; 2] {
         FAR.map(|d| d * self.unit)
     }
-    /// Lays a way on the skin, rising to `high` over it within its first fifth.
+    /// Lays a path on the skin, rising to `high` above it within its first fifth.
     fn lay(&self, way: &mut [Vec3], high: f32) {
         let count = way.len() as f32;
         for (k, p) in way.iter_mut().enumerate().skip(1) {
@@ -576,15 +576,15 @@ impl Maker<'_> {
                     Some((d, out, doubt)) if d > -0.8 && doubt < 0.06 => {
                         *p += out.normalize_or_zero() * (wanted - d);
                     }
-                    // Where the columns of the map run into each other a way may cut a corner.
+                    // Where the columns of the map converge, a path may cut a corner.
                     _ => *p = lay::laid(self.scalp, *p, wanted).0,
                 }
             }
         }
     }
-    /// Ways from afar are bent over the ball of the head instead, towards the `corner` on the row: there the columns of the
-    /// map, which are square to the row, run together beside the ears as meridians do at a pole. Not where that leads over
-    /// ground of another row.
+    /// Bends long paths over the ball of the head instead, toward the `corner` on the row: the columns of the map,
+    /// which are perpendicular to the row, converge there beside the ears like meridians at a pole. Not where that
+    /// leads over another row's territory.
     fn across_the_head(&self, way: &mut [Vec3], corner: Vec3, owner: &Owner) {
         let frame = self.scalp.frame();
         let share = far_off(owner.distance, self.far());
@@ -610,7 +610,7 @@ impl Maker<'_> {
             *p = bent(*p, k);
         }
     }
-    /// What own hair and extension hair say of themselves alike.
+    /// Attributes that growing and extension hair have in common.
     fn describe(
         &self,
         out: &mut TuftBuilder,
@@ -673,7 +673,7 @@ impl Maker<'_> {
     }
 }
 
-/// Whether a way turns nowhere by more than 37 degrees from one point to the next.
+/// Whether a path turns nowhere by more than 37 degrees between two points.
 fn is_smooth(way: &[Vec3]) -> bool {
     way.windows(3).all(|w| {
         let (a, b) = (w[1] - w[0], w[2] - w[1]);
@@ -681,7 +681,7 @@ fn is_smooth(way: &[Vec3]) -> bool {
     })
 }
 
-/// Between the borders of bins.
+/// Interpolates between the borders of bins.
 fn at(values: &[f32], u: f32) -> f32 {
     let x = u.clamp(0.0, 1.0) * BINS as f32;
     let k = (x as usize).min(BINS - 1);
@@ -692,7 +692,7 @@ fn girth_at(row: &Row, u: f32) -> f32 {
     at(&row.girth, u)
 }
 
-/// The row with its thickness, at as many even points as that takes.
+/// The row with its thickness, at as many evenly spaced points as that requires.
 fn thickened(tuft: &Tuft, curve: usize, source: Behind, row: &Row) -> Tuft {
     let n = ((source.length() / 0.15).ceil() as usize).clamp(24, 240) + 1;
     let points = (0..n).map(|k| source.at(k as f32 / (n - 1) as f32)).collect();

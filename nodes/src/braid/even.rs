@@ -1,12 +1,13 @@
-//! Points along a hair made even, and the two curves that hairs are led by.
+//! Even spacing of points along a hair, and the two curves that guide hairs.
 //!
-//! Guarantees: of [`Even::out`] neighbouring chords differ by at most a tenth, and both readings of the hair agree, where it bends
-//! by less than a right angle within a few points; the ends stay where they are. Not promised: points keep their places.
+//! Guarantees: after [`Even::out`], adjacent chords differ by at most a tenth, and both readings of the hair agree, if
+//! it bends by less than a right angle within a few points; the ends stay in place. Not promised: that other points
+//! stay in place.
 
 use crate::maths::readings::{AGREE, Chords, readings_differ};
 use glam::Vec3;
 
-/// A point of a hair while it is made.
+/// A point of a hair under construction.
 #[derive(Clone, Copy)]
 pub(super) struct Bead {
     pub(super) p: Vec3,
@@ -14,7 +15,7 @@ pub(super) struct Bead {
     pub(super) along: f32,
     /// Whether the skin may be near.
     pub(super) near: bool,
-    /// Whether it was out of the skin without a doubt when it was last lifted. What moves it after that lifts it again.
+    /// Whether it was certainly out of the skin when it was last lifted. Anything that moves it later lifts it again.
     pub(super) clear: bool,
 }
 
@@ -29,19 +30,19 @@ impl Bead {
 pub(super) struct Even {
     beads: Vec<Bead>,
     points: Vec<Vec3>,
-    /// From each bead to the next, cm.
+    /// Distance from each bead to the next, cm.
     chords: Vec<f32>,
-    /// How fast the spline through the beads goes at each, cm a span.
+    /// Speed of the spline through the beads at each bead, cm per span.
     speeds: Vec<f32>,
 }
 
-/// Chords that differ by less than this are even where both readings of the hair agree.
+/// If adjacent chords differ by less than this, both readings of the hair agree.
 const EVEN: f32 = 1.1;
-/// Rounds in which they are made so.
+/// Rounds of adjustment.
 const ROUNDS: usize = 6;
 
 impl Even {
-    /// Moves the beads of a hair along it until they are evenly spaced; they nearly are.
+    /// Moves the beads of a hair along it until they are evenly spaced; they must nearly be already.
     pub(super) fn out(&mut self, beads: &mut Vec<Bead>) {
         let n = beads.len();
         if n < 3 {
@@ -67,7 +68,7 @@ impl Even {
                     before += self.chords[k];
                     k += 1;
                 }
-                // Speed taken as linear along the span, as in `maths/rail.rs`.
+                // Speed is assumed linear along the span, as in `maths/rail.rs`.
                 let (from, to) = (self.speeds[k], self.speeds[k + 1]);
                 let per_mean = 2.0 / (from + to).max(1e-9);
                 let (speed, faster) = (from * per_mean, (to - from) * per_mean);
@@ -76,7 +77,7 @@ impl Even {
                 let t = (2.0 * x / (speed + root).max(1e-6)).min(1.0);
                 let (a, b) = (beads[k], beads[k + 1]);
                 let p = spline_point(|k| beads[k].p, n, k, t);
-                // Not until it has joined.
+                // Not before it has joined.
                 let along = if a.along > joins { a.along + (b.along - a.along) * t } else { joins };
                 self.beads.push(Bead::new(p, along, a.near || b.near));
             }
@@ -86,7 +87,7 @@ impl Even {
         }
     }
 
-    /// Whether the beads are, whose chords are known.
+    /// Whether the beads are evenly spaced; their chords must be known.
     fn is_even(&mut self, beads: &[Bead]) -> bool {
         let chords = Chords::of(self.chords.iter().copied());
         if chords.ratio >= EVEN || chords.readings_differ_at_most() <= AGREE {
@@ -98,12 +99,12 @@ impl Even {
     }
 }
 
-/// From each bead of a hair to the next, cm.
+/// Distance from each bead of a hair to the next, cm.
 pub(super) fn chords(beads: &[Bead]) -> impl Iterator<Item = f32> {
     beads.windows(2).map(|w| w[0].p.distance(w[1].p))
 }
 
-/// Straightens a hair a little where the skin may be near.
+/// Straightens a hair slightly where the skin may be near.
 pub(super) fn relax(beads: &mut [Bead]) {
     let Some(first) = beads.first() else { return };
     let mut before = first.p;
@@ -116,14 +117,14 @@ pub(super) fn relax(beads: &mut [Bead]) {
     }
 }
 
-/// From 0 at 0 to 1 at 1, level at both.
+/// From 0 at 0 to 1 at 1, flat at both ends.
 #[inline]
 pub(super) fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Catmull-Rom through `n` even points, its ends extrapolated, between the points `k` and `k` + 1.
+/// Catmull-Rom spline through `n` even points with extrapolated ends, between the points `k` and `k` + 1.
 #[inline]
 pub(super) fn spline_point(at: impl Fn(usize) -> Vec3, n: usize, k: usize, t: f32) -> Vec3 {
     let (b, c) = (at(k), at(k + 1));

@@ -1,13 +1,13 @@
-//! The ground that belongs to each row of braiding, and the ways over it into the braid.
+//! The territory of each braid row, and the paths over it into the braid.
 //!
-//! Which row a root belongs to is decided as in `partition/territory.rs`: the nearest one by the way over the scalp. The ways over the scalp are
-//! straight lines in a *map*: on each side of a row, columns of points march square away from it over the skin, and
-//! round its two ends they fan out. Laid out with the row straight, a hair that is combed along and into the braid is a
-//! parabola, however the head bends under it.
+//! A root belongs to a row as in `partition/territory.rs`: the nearest one by distance over the scalp. Paths over the
+//! scalp are straight lines in a *map*: on each side of a row, columns of points march perpendicularly away from it
+//! over the skin and fan out around its two ends. With the row unrolled straight, a hair combed along and into the
+//! braid is a parabola, however the head bends beneath it.
 //!
-//! Guarantees: a way's points are within a few tenths of a millimetre of the skin; in ground that ends at a parting it
-//! never comes nearer to the parting than its root's side of the parting allows. Not promised: anything where the
-//! columns of a row run into each other (far from a row that bends round its ground); ways are then merely smooth.
+//! Guarantees: a path's points are within a few tenths of a millimetre of the skin; in a territory that ends at a
+//! parting, a path never comes nearer to the parting than its root's side allows. Not promised: anything where the
+//! columns of a row converge (far from a row that bends around its territory); paths there are merely smooth.
 
 use crate::data::scalp::{Root, Scalp};
 use crate::maths::frame::{across, any_normal};
@@ -19,38 +19,38 @@ use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::FRAC_PI_2;
 
-/// A row to braid along.
+/// A braid row.
 pub(crate) struct Lane {
-    /// The source's id.
+    /// Id of the source curve.
     pub(crate) id: u64,
     /// The part that lies on the scalp.
     pub(crate) row: Row,
     /// Length of the whole source, cm.
     pub(crate) length: f32,
-    /// The section that it is the middle of; none: whatever is nearest to it.
+    /// The section that it is the centre of; `None`: whatever is nearest to it.
     pub(crate) section: Option<u64>,
-    /// How far over the scalp it leads from its root, cm: 0 for one that stands up from the head.
+    /// Length over the scalp from its root, cm: 0 for a row that stands up from the head.
     pub(crate) leads: f32,
-    /// Along and scalp normal at even places of the row.
+    /// Tangent and scalp normal at even positions of the row.
     ways: Vec<(Vec3, Vec3)>,
-    /// The same places.
+    /// The same positions.
     points: Vec<Vec3>,
 }
 
-/// How far off a place is at a distance: 0 up to `far[0]`, 1 from `far[1]` on.
+/// How far off a position counts at a distance: 0 up to `far[0]`, 1 from `far[1]` on.
 pub(crate) fn far_off(distance: f32, far: [f32; 2]) -> f32 {
     let x = ((distance - far[0]) / (far[1] - far[0])).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
 
-/// Places of a row at which its directions are noted.
+/// Number of positions of a row at which its directions are stored.
 const WAYS: usize = 48;
-/// Distance between the points that stand for a source, cm.
+/// Spacing of the points that represent a source, cm.
 const STEP: f32 = 0.15;
 
 impl Lane {
-    /// The lane of a source, as far as it is no higher than `off` (cm) over the skin; at least its first `off`. With a section
-    /// it ends where it leaves that for good: beyond, hair of others grows.
+    /// The row of a source, as far as it is no higher than `off` (cm) above the skin; at least its first `off`. With a
+    /// section, it ends where it leaves the section for good: other hair grows beyond.
     pub(crate) fn new(
         id: u64,
         source: &Spline,
@@ -91,11 +91,11 @@ impl Lane {
         let points = (0..WAYS).map(|k| row.spline.at(k as f32 / (WAYS - 1) as f32)).collect();
         Some(Self { id, row, length, section, leads, ways, points })
     }
-    /// Even places of the row.
+    /// Even positions of the row.
     pub(crate) fn points(&self) -> &[Vec3] {
         &self.points
     }
-    /// Along and the scalp's normal at a fraction of the row.
+    /// Tangent and scalp normal at a fraction of the row.
     fn way(&self, u: f32) -> (Vec3, Vec3) {
         let x = u.clamp(0.0, 1.0) * (WAYS - 1) as f32;
         let k = (x as usize).min(WAYS - 2);
@@ -103,9 +103,9 @@ impl Lane {
         let normal = a.1.lerp(b.1, x - k as f32).normalize_or(a.1);
         (across(a.0.lerp(b.0, x - k as f32), normal).unwrap_or(a.0), normal)
     }
-    /// The place of the row, as a fraction, that `p` is beside. That is the nearest one (`owner.u`); but places that are
-    /// far off, `far[0]` cm and more, are beside all of the row that is about as near: beside an ear, where a row from front
-    /// to back is near everywhere, neighbouring hairs go the same way.
+    /// The position of the row, as a fraction, that `p` is beside. This is the nearest one (`owner.u`), but positions
+    /// `far[0]` cm away and more are beside all of the row that is about equally near: beside an ear, where a row from
+    /// front to back is near everywhere, neighbouring hairs then run the same way.
     pub(crate) fn foot(&self, p: Vec3, owner: &Owner, far: [f32; 2]) -> f32 {
         let share = far_off(owner.distance, far);
         if share <= 0.0 {
@@ -144,7 +144,7 @@ impl Behind<'_> {
     }
 }
 
-/// Whose a place is.
+/// The owner of a position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Owner {
     pub(crate) lane: u32,
@@ -156,14 +156,14 @@ pub(crate) struct Owner {
     pub(crate) ahead: f32,
 }
 
-/// All rows, found quickly.
+/// All rows, indexed for lookup.
 pub(crate) struct Ground {
     pub(crate) lanes: Vec<Lane>,
     cell: f32,
     cells: BTreeMap<[i32; 3], Vec<u32>>,
 }
 
-/// Edge of the cells that know which rows may be near, head units.
+/// Size of the cells that list the rows that may be near, head units.
 const CELL: f32 = 1.5;
 
 impl Ground {
@@ -183,7 +183,7 @@ impl Ground {
                 let far = lanes.iter().zip(&straight).map(|(lane, d)| lane.row.far(scalp, p, *d));
                 let mut sorted: Vec<f32> = far.collect();
                 sorted.sort_by(f32::total_cmp);
-                // Across the cell, and as much again for a way that is longer than straight.
+                // Across the cell, and as much again for paths longer than the straight one.
                 let reach = sorted[1] + 3.5 * cell;
                 let near = (0..).zip(&straight).filter(|(_, d)| **d <= reach);
                 cells.insert(at, near.map(|(i, _)| i).collect());
@@ -191,7 +191,7 @@ impl Ground {
         }
         Self { lanes, cell, cells }
     }
-    /// The row nearest to `p`, a point of the scalp, among those that `may` have it.
+    /// The row nearest to `p`, a point of the scalp, among those that `may` accepts.
     pub(crate) fn owner(&self, scalp: &Scalp, p: Vec3, may: impl Fn(u32) -> bool) -> Option<Owner> {
         let (mut best, mut second): (Option<Owner>, f32) = (None, f32::MAX.sqrt());
         let mut see = |lane: u32| {
@@ -217,7 +217,7 @@ impl Ground {
     }
 }
 
-/// The lanes with their ways over the scalp, where several share some ground.
+/// The rows with their distances over the scalp, if several share a territory.
 fn over_the_scalp(lanes: Vec<Lane>, scalp: &Scalp) -> Vec<Lane> {
     let sections: BTreeSet<u64> = lanes.iter().filter_map(|lane| lane.section).collect();
     let each_its_own = scalp.sections().is_some() && sections.len() == lanes.len();
@@ -237,21 +237,21 @@ fn cell_of(p: Vec3, cell: f32) -> [i32; 3] {
     (p / cell).floor().as_ivec3().to_array()
 }
 
-/// One side of a row unrolled.
+/// One side of a row, unrolled.
 pub(crate) struct Map {
     points: Vec<Vec3>,
     columns: usize,
     /// Steps of a column.
     steps: usize,
     step: f32,
-    /// Distance between the starts of columns beside the row, cm.
+    /// Spacing of the starts of columns along the row, cm.
     pitch: f32,
     tree: Nearest,
-    /// Distance from the row at which each column leaves the row's own ground.
+    /// Distance from the row at which each column leaves the row's own territory.
     pub(crate) limit: Vec<f32>,
 }
 
-/// Columns of the quarter turn about an end of a row.
+/// Columns of the quarter turn around an end of a row.
 const FAN: usize = 8;
 /// The most stations along a row.
 const MOST_STATIONS: usize = 64;
@@ -259,7 +259,7 @@ const MOST_STATIONS: usize = 64;
 const MOST_STEPS: f32 = 28.0;
 
 impl Map {
-    /// The map of one side as far as `reach` cm from the row; `inside` says whether a point is the row's own ground.
+    /// The map of one side up to `reach` cm from the row; `inside` says whether a point belongs to the row's territory.
     pub(crate) fn new(
         lane: &Lane,
         scalp: &Scalp,
@@ -276,7 +276,7 @@ impl Map {
             let u = Self::fraction(c as f32, columns);
             let (along, normal) = lane.way(u);
             let sideways = along.cross(normal) * side as f32;
-            // A quarter turn from straight ahead of the row to its side, and behind its end as much again.
+            // A quarter turn from straight ahead of the row to its side, and another one behind its end.
             let turned = |k: usize| (k as f32 / FAN as f32) * FRAC_PI_2;
             let (sin, cos) = match c {
                 c if c < FAN => sin_cos(turned(FAN - c)),
@@ -289,7 +289,7 @@ impl Map {
             p = start.map_or(p, |root| root.point);
             for k in 0..=steps {
                 points.push(p);
-                // Beyond the place where columns of a bent row meet, a column runs on over ground of others.
+                // Beyond the point where columns of a bent row meet, a column continues over other territories.
                 let (_, far, at) = lane.row.nearest(p);
                 let astray = (at - u).abs() * lane.row.length() > (0.4 * far).max(1.5);
                 found.push(if astray && k > 0 { Vec3::NAN } else { p });
@@ -312,14 +312,14 @@ impl Map {
     pub(crate) fn column(&self, u: f32) -> f32 {
         FAN as f32 + u.clamp(0.0, 1.0) * (self.columns - 2 * FAN - 1) as f32
     }
-    /// The row laid out straight: cm along it (less than 0 before it, more than its length behind it) and beside it.
+    /// The row laid out straight: cm along it (negative in front of it, more than its length behind it) and beside it.
     fn plain(&self, (column, v): (f32, f32)) -> Vec2 {
         let (first, last) = (FAN as f32, (self.columns - 1 - FAN) as f32);
         let beyond = if column < first { column - first } else { (column - last).max(0.0) };
         let (sin, cos) = sin_cos(beyond / FAN as f32 * FRAC_PI_2);
         Vec2::new((column.clamp(first, last) - first) * self.pitch + v * sin, v * cos)
     }
-    /// Column and distance of a place of [`Map::plain`].
+    /// Column and distance of a position in [`Map::plain`].
     fn unrolled(&self, p: Vec2) -> (f32, f32) {
         let (first, last) = (FAN as f32, (self.columns - 1 - FAN) as f32);
         let along = p.x / self.pitch + first;
@@ -331,7 +331,7 @@ impl Map {
         let turned = atan2(beyond, p.y.max(0.0)) / FRAC_PI_2;
         (column + turned * FAN as f32, Vec2::new(beyond, p.y.max(0.0)).length())
     }
-    /// How far (cm) a place on the map is beside the row, or the row thought longer.
+    /// Distance (cm) of a position on the map from the row, or its straight extension.
     pub(crate) fn beside(&self, place: (f32, f32)) -> f32 {
         self.plain(place).y
     }
@@ -370,7 +370,7 @@ impl Map {
             let (v0, v1) = ((v - 0.5 * self.step).max(0.0), (v + 0.5 * self.step).min(far));
             let dc = (self.point(c1, v) - self.point(c0, v)) / (c1 - c0);
             let dv = (self.point(c, v1) - self.point(c, v0)) / (v1 - v0);
-            // Least squares in the plane of both ways; a point of a fan has only one.
+            // Least squares in the plane of both directions; a point of a fan has only one.
             let (a, b, d) = (dc.length_squared() + 1e-6, dc.dot(dv), dv.length_squared() + 1e-6);
             let (e, f) = (off.dot(dc), off.dot(dv));
             let det = (a * d - b * b).max(1e-8 + 0.05 * a * d);
@@ -380,8 +380,8 @@ impl Map {
         }
         (c, v)
     }
-    /// Points of the way from a root at `from` (column, cm) to `to`, evenly spaced, into `out`. `sweep` 0 is
-    /// straight, 1 leaves the parting square and ends along the row.
+    /// Writes evenly spaced points of the path from a root at `from` (column, cm) to `to` into `out`. `sweep` 0 is
+    /// straight; 1 leaves the parting perpendicularly and ends along the row.
     pub(crate) fn way(
         &self,
         root: &Root,

@@ -1,4 +1,4 @@
-//! Laws of braid territory and braid hair, read from what the nodes give, on a ball and on the built-in head.
+//! Laws of braid territory and braid hair, measured on the nodes' output, on a ball and on the built-in head.
 
 use super::ground::{Ground, Lane};
 use super::laws::heads;
@@ -147,7 +147,7 @@ fn every_root_joins_once_at_its_stitch_and_stays_in_its_strand() {
                 } else {
                     let off = tube.iter().map(|(c, r)| p.distance(*c) / r.max(0.03));
                     let last = along.at(i, first + k) > 0.86;
-                    // Behind the tie it is a brush.
+                    // Behind the tie it is the end tuft.
                     out = out.max(if last { 0.0 } else { off.fold(f32::MAX, f32::min) });
                 }
                 if k > 1 && k + 1 < curve.len() {
@@ -161,7 +161,7 @@ fn every_root_joins_once_at_its_stitch_and_stays_in_its_strand() {
         );
         assert!(rooted < 1e-3, "{what}: {rooted}");
         assert!(deepest > -1e-3, "{what}: {deepest}");
-        // On the ball rows end amid the hair, which is combed round their ends.
+        // On the ball, rows end amid the hair, which is combed around their ends.
         let around = if what == "ball" { points / 1000 } else { 0 };
         assert!(crossed <= around, "{what}: {crossed} of {points} points across a parting");
         assert!(out < 1.25, "{what}: {out}");
@@ -261,7 +261,7 @@ fn a_braid_is_as_thick_as_the_hair_that_has_joined() {
 #[test]
 fn hair_that_ends_makes_the_braid_thinner() {
     let scalp = shared_ball();
-    // Hair that is too short to reach the braid would be longer than asked.
+    // Hair too short to reach the braid would be longer than requested.
     let set = vec![
         ("density", 30.0f32.into()),
         ("length", 12.0f32.into()),
@@ -296,7 +296,7 @@ fn hair_much_longer_than_its_braid_has_its_points_no_farther_apart() {
 
 #[test]
 fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
-    // A braid that stands on top of a ball, its strands gathered at its root.
+    // A braid that stands on top of a ball, with its strands gathered at its root.
     let scalp = shared_ball();
     let top = Vec3::new(0.0, 8.9, 0.0) + scalp.frame().origin;
     let foot = scalp.surface().ray(top + Vec3::Y * 20.0, -Vec3::Y, 40.0).unwrap().point;
@@ -314,8 +314,8 @@ fn a_root_knot_is_as_much_wider_than_the_braid_as_was_asked() {
         ];
         by_id(&made(&scalp, &row, territory, hair).hair)
     };
-    // How far hair reaches from the braid's middle within a height over the scalp, all but a twentieth of it: single hairs are
-    // still on their way in.
+    // How far hair reaches from the braid's centre within a height range over the scalp, except for a twentieth: single
+    // hairs are still on their way in.
     let outline = |hair: &BTreeMap<u64, Vec<Vec3>>, low: f32, high: f32| {
         let points = hair.values().flat_map(|points| points.iter().map(|p| *p - foot));
         let near = points.filter(|p| p.y > low && p.y < high);
@@ -364,7 +364,7 @@ fn a_band_lies_round_its_braid_and_draws_it_together() {
             let out = |p: Vec3| (p - start).reject_from(axis);
             let turns = &points[1..points.len() - 1];
             assert!(turns.iter().all(|p| scalp.skin().distance(*p) > 0.0));
-            // Three turns of 0.15 cm beside each other, from middle to middle of the outer ones.
+            // Three turns of 0.15 cm side by side, from centre to centre of the outer ones.
             let radius = band.view(attr::RADIUS).at(i, 0);
             assert!((radius - 0.075).abs() < 1e-5);
             assert!((end.distance(start) - 0.45).abs() < 0.02, "{}", end.distance(start));
@@ -376,7 +376,7 @@ fn a_band_lies_round_its_braid_and_draws_it_together() {
                     let beside = |a: &&Vec3| out(**a).normalize().dot(out(*p) / far) > 0.95;
                     let held = turns.iter().filter(beside).map(|a| out(*a).length());
                     let held = held.fold(f32::MAX, f32::min);
-                    // What is farther off is on its way to the braid.
+                    // Hair farther out is on its way to the braid.
                     if (0.0..=0.45).contains(&along) && far < 2.0 * held {
                         inside += usize::from(far <= held + radius);
                         outside += usize::from(far > held + radius);
@@ -385,13 +385,13 @@ fn a_band_lies_round_its_braid_and_draws_it_together() {
                 }
             }
         }
-        // At its borders a turn is beside a part of the hair alone.
+        // At its borders, a turn is beside only part of the hair.
         assert!(inside > 5000 && outside * 200 <= inside, "{outside} of {inside}");
         wide.push(sum / (inside + outside) as f32);
     }
     let ratio = wide[1] / wide[0];
     assert!((ratio - 0.6).abs() < 0.04, "{ratio}");
-    // A band that braid or tuft cannot hold is as high as they can, or there is none, and the node says so.
+    // A band that the braid or tuft cannot hold is as high as they allow, or missing, and the node reports it.
     let m = tied(3.0, 0.3);
     let strands: Set = vec![("roots", m.roots.into()), ("strands", m.strands.into())];
     let said = |stitches: Option<&Curves>, height: f32| {
@@ -436,7 +436,7 @@ fn a_braid_begins_behind_the_front_of_its_row_and_hair_before_it_is_combed_back(
     let (begins, combed) = front(2.0);
     assert!(begins.iter().all(|x| (x - 2.0).abs() < 0.02), "{begins:?}");
     assert!(combed.len() > 20 && combed.iter().all(|back| *back > 0.0), "{combed:?}");
-    // However much is asked for: half as far as the row leads.
+    // However much is requested: at most half as far as the row leads.
     let (begins, _) = front(50.0);
     assert!(begins.iter().all(|x| *x > 4.0 && *x < 10.0), "{begins:?}");
     assert!(front(0.0).0.iter().all(|x| *x < 1e-3));
@@ -444,7 +444,7 @@ fn a_braid_begins_behind_the_front_of_its_row_and_hair_before_it_is_combed_back(
 
 #[test]
 fn hair_far_from_its_row_is_combed_as_its_neighbours_are() {
-    // At the temple a row from forehead to nape is about as near all along: the nearest place of it leaps.
+    // At the temple, a row from forehead to nape is about equally near all along: its nearest position jumps.
     let scalp = heads().remove(0);
     let set: Set = vec![
         ("source", rows(&scalp, 2).into()),
@@ -483,7 +483,7 @@ fn one_row_takes_all_and_a_tail_keeps_off_the_skin() {
     let scalp = heads().remove(0);
     let tail = vec![("density", 12.0f32.into()), ("tail", 30.0f32.into())];
     let m = made(&scalp, &rows(&scalp, 1), tail, vec![]);
-    // Every root of the region is taken.
+    // Every root of the region is used.
     let area: f32 = (0..scalp.surface().triangles.len() as u32)
         .map(|t| {
             let region = scalp.grows(t, glam::Vec2::splat(1.0 / 3.0));

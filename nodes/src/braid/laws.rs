@@ -1,5 +1,5 @@
-//! The laws of methods.md 2, read from the evaluated strands alone: splines through their CVs, radii between
-//! CVs straight.
+//! The laws of methods.md 2, measured on the evaluated strands only: splines through their CVs, radii linear between
+//! CVs.
 
 use super::lissajous_braid::NODE;
 use super::reading::{Strand, braid_signs, carried, on_ball, overlap, path_signs, unevenness};
@@ -36,7 +36,7 @@ pub(super) fn straight(length: f32) -> Vec<Vec3> {
     vec![Vec3::ZERO, Vec3::Y * -0.5 * length, Vec3::Y * -length]
 }
 
-/// A helix about Y.
+/// A helix around Y.
 pub(super) fn helix(radius: f32, rise: f32, turns: f32) -> Vec<Vec3> {
     let n = (24.0 * turns) as usize;
     (0..=n)
@@ -47,7 +47,7 @@ pub(super) fn helix(radius: f32, rise: f32, turns: f32) -> Vec<Vec3> {
         .collect()
 }
 
-/// Over the ball of `ball()` from the front to the back, beside the middle.
+/// Over the ball of `ball()` from front to back, beside the midline.
 fn over_the_ball() -> Vec<Vec3> {
     (0..24)
         .map(|k| {
@@ -57,7 +57,7 @@ fn over_the_ball() -> Vec<Vec3> {
         .collect()
 }
 
-/// No gather, no tie: the weave and nothing else.
+/// No gather, no tie: only the weave.
 pub(super) fn bare() -> Set {
     vec![
         ("root_gather", 0.0f32.into()),
@@ -172,7 +172,7 @@ fn every_weave_is_braided_as_it_should_on_any_source() {
                     );
                     assert_eq!(got, want, "{what}");
                     if m % 2 == 0 {
-                        // Right-most pair, strand going left: it passes below when under.
+                        // Rightmost pair, strand going left: it passes below when under.
                         assert_eq!(*got.last().unwrap(), Some(crossing == "under"), "{what}");
                     }
                     tried += 1;
@@ -252,7 +252,7 @@ fn tubes_touch_and_never_overlap() {
         let set = [bare(), vec![("strands", Value::Int(12)), ("weave", m.into())]];
         check(format!("12:{m}"), &straight(3.0), &set, 0.03);
     }
-    // Thin at the root and gathered there, as braids are that grow with their hair.
+    // Thin and gathered at the root, like braids that grow with their hair.
     let ramp = |from: f32, to: f32| {
         let keys = vec![(0.0, from), (0.1, 0.5 * (from + to)), (0.4, to), (1.0, 0.6 * to)];
         Value::Field(Arc::new(Field::Ramp(Ramp::new(Blend::Smooth, keys).unwrap())))
@@ -355,7 +355,7 @@ fn any_number_of_stitches_and_points_makes_smooth_finite_strands() {
     for id in 0..60 {
         let cvs = [2, 3, 8, 40, 500][dice.below(id, 0, 5) as usize];
         let (mut p, mut step) = (Vec3::ZERO, Vec3::Y);
-        // Half of them bend no more than a braid can follow, the others are thrown down anyhow.
+        // Half of them bend no more than a braid can follow, the others are random.
         let bends = if id % 2 == 0 { 1.0 } else { (20.0 / cvs as f32).min(1.0) };
         let points: Vec<Vec3> = (0..cvs)
             .map(|k| {
@@ -404,7 +404,7 @@ fn what_is_no_curve_is_left_out_and_named() {
     }
 }
 
-/// Laws of a cornrow on `scalp`; gives the largest overlap.
+/// Laws of a cornrow on `scalp`; returns the largest overlap.
 #[track_caller]
 fn check_cornrow(scalp: &Arc<Scalp>, source: &[Vec3], sets: &[Set], what: &str) -> f32 {
     let (strands, ..) = braid(source, &[vec![("scalp", scalp.clone().into())], sets.concat()]);
@@ -455,7 +455,7 @@ fn cornrows_lie_on_the_ball_and_keep_their_word() {
             let got = braid_signs(&strands, &spline, &on_ball(&source), (0.0, 0.9), 20.0, &what);
             let m = default_frequency(n as u32);
             assert_eq!(got, path_signs(&Weave::new(n as u32, m, true, false)), "{what}");
-            // The top of the braid stands as high as it should.
+            // The top of the braid has the right height.
             let high = |s: &Strand| {
                 let tops = s.samples(2).into_iter().filter(|(.., u)| (0.1..0.2).contains(u));
                 tops.map(|(p, r, _)| p.length() + r - 8.9).fold(0.0, f32::max)
@@ -490,7 +490,7 @@ fn a_source_under_or_off_the_skin_still_gives_a_braid_outside() {
     }
 }
 
-/// The built-in head, and lps_head where it is.
+/// The built-in head, and lps_head if available.
 pub(super) fn heads() -> Vec<Arc<Scalp>> {
     let made = |set: &[(&str, Value)]| match &run(crate::by_id("head").unwrap(), set).0[0] {
         Value::Scalp(scalp) => scalp.clone(),
@@ -515,7 +515,7 @@ pub(super) fn heads() -> Vec<Arc<Scalp>> {
     heads
 }
 
-/// A row over the head from the forehead to the nape, so far to its side.
+/// A row over the head from forehead to nape, at this distance to the side.
 pub(super) fn row(scalp: &Scalp, side: f32) -> Vec<Vec3> {
     let centre = scalp.frame().origin + Vec3::X * side;
     let point = |k: usize| {

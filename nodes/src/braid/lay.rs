@@ -1,8 +1,8 @@
 //! Laying a weave along a source curve: stations, frames, amplitudes, and the skin underneath.
 //!
-//! The picture: *stations* stand along the source, some for each stitch. Each has a frame, an amplitude
-//! and a place in the weave's cycle, which together put a point of every strand there. Points that the
-//! skin is in the way of are pressed or moved off it, and each strand is then resampled evenly along its own length.
+//! The picture: *stations* are placed along the source, several per stitch. Each has a frame, an amplitude and a
+//! position in the weave's cycle, which together place a point of every strand. Points that collide with the skin are
+//! pressed or moved off it, and each strand is then resampled evenly along its own length.
 //!
 //! **Invariant:** whatever moves points in depth keeps their order there, so no crossing is ever undone.
 
@@ -14,38 +14,38 @@ use crate::maths::hash::Dice;
 use crate::maths::spline::{CurveFault, Place, Spline};
 use glam::Vec3;
 
-/// What the front of a braid faces.
+/// Direction of a braid's front.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Facing {
-    /// Carried from the root with the least twist.
+    /// Carried from the root with minimal twist.
     Carried,
-    /// A direction in space.
+    /// A fixed direction.
     Axis(Vec3),
     /// Away from the skin.
     Skin,
 }
 
-/// What happens to what reaches into the skin.
+/// What happens where a braid reaches into the skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Contact {
-    /// Pressed on to it.
+    /// Pressed onto the skin.
     Flatten,
-    /// Moved off it as a whole.
+    /// Moved off the skin as a whole.
     PushOut,
-    /// Nothing.
+    /// Left as it is.
     Allow,
 }
 
-/// The stitch coordinate along the source: how far in cm each stitch has come.
+/// The stitch coordinate along the source: the arc length in cm reached at each stitch.
 #[derive(Clone, Debug)]
 pub(crate) struct Advance {
     pitch: f32,
-    /// Arc length at each whole stitch where they are uneven; empty where they are even.
+    /// Arc length at each whole stitch if they are uneven; empty if they are even.
     knots: Vec<f32>,
 }
 
 impl Advance {
-    /// Stitches of one length.
+    /// Stitches of equal length.
     pub(crate) fn even(pitch: f32) -> Self {
         Self { pitch, knots: vec![] }
     }
@@ -65,7 +65,7 @@ impl Advance {
         }
         let k = (q.max(0.0) as usize).min(spans - 1);
         let length = |k: usize| self.knots[k + 1] - self.knots[k];
-        // The harmonic mean of neighbouring lengths as slope keeps the cubic rising.
+        // The harmonic mean of adjacent lengths as slope keeps the cubic monotonic.
         let slope = |k: usize| {
             let (a, b) = (length(k.saturating_sub(1)), length(k.min(spans - 1)));
             2.0 * a * b / (a + b)
@@ -92,7 +92,7 @@ impl Advance {
     }
 }
 
-/// The skin below a braid, and what happens where the braid would be in it.
+/// The skin below a braid, and how the braid reacts to it.
 #[derive(Clone, Copy)]
 pub(crate) struct Below<'a> {
     pub(crate) scalp: &'a Scalp,
@@ -100,10 +100,10 @@ pub(crate) struct Below<'a> {
     pub(crate) contact: Contact,
 }
 
-/// Everything that decides where the strands of one braid lie.
+/// Everything that determines the positions of a braid's strands.
 pub(crate) struct Shape<'a> {
     pub(crate) weave: Weave,
-    /// At the widest place.
+    /// At the widest position.
     pub(crate) size: Size,
     pub(crate) advance: Advance,
     /// Stitches up to the tie.
@@ -113,18 +113,18 @@ pub(crate) struct Shape<'a> {
     /// Length of the tuft; 0: none.
     pub(crate) tuft: f32,
     pub(crate) flare: f32,
-    /// Cycles that the first strand has walked at the root.
+    /// Position of the first strand in its cycle at the root, in cycles.
     pub(crate) phase: f64,
     pub(crate) cvs_per_stitch: usize,
     pub(crate) gather: f32,
-    /// Fraction of the size across and in depth, by the fraction along the source.
+    /// Fraction of the full size across and in depth, by the fraction along the source.
     pub(crate) scale: &'a dyn Fn(f32) -> (f32, f32),
-    /// Turn in radians, by the fraction along the source.
+    /// Roll in radians, by the fraction along the source.
     pub(crate) roll: &'a dyn Fn(f32) -> f32,
     pub(crate) facing: Facing,
-    /// Wanted normal at the root where nothing else decides it.
+    /// Preferred normal at the root where nothing else determines it.
     pub(crate) start: Option<Vec3>,
-    /// Height of the braid's middle over the source: a fixed part, and one that scales with the depth.
+    /// Height of the braid's centre above the source: a fixed part, and one that scales with the depth.
     pub(crate) raise: (f32, f32),
     pub(crate) looseness: f32,
     pub(crate) loose: Dice,
@@ -138,13 +138,13 @@ pub(crate) struct Shape<'a> {
 pub(crate) struct Laid {
     /// The strands, evenly resampled.
     pub(crate) lines: Vec<Line>,
-    /// Normal of the braid at each CV of each strand, across the strand. Unit.
+    /// Braid normal at each CV of each strand, perpendicular to the strand. Unit.
     pub(crate) normals: Vec<Vec<Vec3>>,
     stations: Vec<Station>,
     /// The strands through the stations.
     raw: Vec<Spline>,
     braided: usize,
-    /// CVs of a strand to a station.
+    /// CVs of a strand per station.
     finer: f32,
 }
 
@@ -160,9 +160,9 @@ struct Station {
     b: f32,
     /// Radius of the tubes at the bottom, cm.
     tube: f32,
-    /// Away from the skin. Zero: not near any.
+    /// Direction away from the skin. Zero: not near any.
     out: Vec3,
-    /// How far the skin counts, from 0 at the root of a braid that grows out of it to 1.
+    /// Influence of the skin, from 0 at the root of a braid that grows out of it to 1.
     grip: f32,
 }
 
@@ -170,27 +170,27 @@ struct Station {
 const PINCH: f32 = 0.62;
 /// Depth of the bundle in the tie, as a fraction of its width: hair under a band is nearly round.
 const ROUND: f32 = 0.8;
-/// Amplitude of strands gathered in the root: a bundle in which they lie side by side. Less makes wires of
-/// them, for where centres meet tubes have no thickness.
+/// Amplitude of strands gathered at the root: a bundle in which they lie side by side. Less turns them into wires,
+/// since tubes have no thickness where centres meet.
 const GATHERED: f32 = 0.3;
-/// Between these stitches behind the tie the weave comes to rest: sooner kinks the strands, later
-/// braids on beyond the band.
+/// The weave comes to rest between these numbers of stitches behind the tie: sooner kinks the strands, later continues
+/// the braid past the band.
 const REST: (f64, f64) = (0.15, 0.65);
-/// The most a source may turn between two stations, radians (about 9 degrees).
+/// Largest turn of a source between two stations, radians (about 9 degrees).
 const TURN: f32 = 0.15;
-/// Stitches closer than the amplitude wind strands up, and need as many more points; but not more than so
-/// many times, for what lies beyond has no thickness to be seen.
+/// Stitches shorter than the amplitude wind strands up and need this many times more points at most; beyond that,
+/// strands have no visible thickness.
 const TIGHT: f32 = 3.0;
-/// Stations from one even point of a strand to the next above which a strand is given more points, so many times as many
-/// that there are [`EVEN`] at most, and no more than [`MOST_MORE`] times.
+/// If there are more stations than this from one even point of a strand to the next, the strand gets more points, until
+/// there are at most [`EVEN`] stations between them, and no more than [`MOST_MORE`] times as many.
 const UNEVEN: f32 = 1.75;
 const EVEN: f32 = 1.25;
 const MOST_MORE: f32 = 4.0;
-/// The most stations, and points of a strand, that the turns of a source alone can ask for.
+/// The most stations, and points of a strand, that the turns of a source alone can request.
 const MOST_FOR_TURNS: f32 = 4096.0;
-/// The longest step of a tuft that the skin may turn, cm.
+/// Longest step of an end tuft that the skin may turn, cm.
 const TUFT_STEP: f32 = 0.4;
-/// The most stations in a tuft.
+/// The most stations in an end tuft.
 const MOST_IN_TUFT: f32 = 256.0;
 
 fn smooth(t: f32) -> f32 {
@@ -199,13 +199,13 @@ fn smooth(t: f32) -> f32 {
 }
 
 impl Shape<'_> {
-    /// Puts the strands along `source`.
+    /// Lays the strands along `source`.
     pub(crate) fn lay(&self, source: &Spline) -> Result<Laid, CurveFault> {
         let (mut stations, braided) = self.stations(source);
         let mut strands: Vec<Vec<Vec3>> = (0..self.weave.strands)
             .map(|i| stations.iter().map(|station| self.point(station, i)).collect())
             .collect();
-        // Tubes stay within the braid's height; where the skin presses them counts what was before.
+        // Tubes stay within the braid's height; where the skin presses them, the height before pressing counts.
         let room = |(station, p): (&Station, &Vec3)| {
             let y = (*p - station.centre).dot(station.frame.normal);
             OUTLINE * station.b * (1.0 + self.size.top / self.size.b) - y.abs()
@@ -243,7 +243,7 @@ impl Shape<'_> {
         Ok(laid)
     }
 
-    /// Stations from root to tip, and how many spans of them are braided.
+    /// Stations from root to tip, and the number of braided spans.
     fn stations(&self, source: &Spline) -> (Vec<Station>, usize) {
         let length = source.length();
         let tight = (self.size.a / self.size.pitch).clamp(1.0, TIGHT);
@@ -260,7 +260,7 @@ impl Shape<'_> {
         if self.tuft > 0.0 {
             let last_step = (self.tied_at - places[braided - 1].0).max(1e-3 * self.tuft);
             let n = (self.tuft / last_step).ceil().clamp(4.0, MOST_IN_TUFT) as usize;
-            // A cubic that starts at the weave's own pace and stops without a jerk.
+            // A cubic that starts at the weave's own pace and stops smoothly.
             let more = self.rest();
             let until = 3.0 * more * f64::from(self.size.pitch);
             for k in 1..=n {
@@ -296,7 +296,7 @@ impl Shape<'_> {
             }
             let mut centre = source.at(*u);
             if *s > length {
-                // What lies on the skin is raised from there by its own height, below.
+                // A braid on the skin is raised from there by its own height, below.
                 let half = self.size.b * y + self.size.top * x.min(y);
                 let height = if self.facing == Facing::Skin { 0.0 } else { half };
                 (centre, frame) = tuft.lead(*s, frame, self.below.as_ref(), height);
@@ -322,7 +322,7 @@ impl Shape<'_> {
         (stations.collect(), braided)
     }
 
-    /// Stitches from the tie to where the weave rests: where the strands then make the roundest bundle.
+    /// Stitches from the tie to where the weave rests: where the strands make the roundest bundle.
     fn rest(&self) -> f64 {
         let n = f64::from(self.weave.strands);
         let roundness = |more: f64| {
@@ -343,7 +343,7 @@ impl Shape<'_> {
         best.fold((-1.0, REST.0), |best, it| if it.0 > best.0 { it } else { best }).1
     }
 
-    /// Factors of the amplitudes where strands gather in the root.
+    /// Factors of the amplitudes where strands gather at the root.
     fn gathered(&self, s: f32) -> (f32, f32) {
         if self.gather <= 0.0 {
             return (1.0, 1.0);
@@ -353,7 +353,7 @@ impl Shape<'_> {
         (GATHERED + (1.0 - GATHERED) * t, round + (1.0 - round) * t)
     }
 
-    /// Factors of the amplitudes about the tie and beyond.
+    /// Factors of the amplitudes around the tie and beyond.
     fn tie(&self, s: f32) -> (f32, f32) {
         if self.tuft <= 0.0 {
             return (1.0, 1.0);
@@ -376,17 +376,17 @@ impl Shape<'_> {
         at(k) * (1.0 - t) + at(k + 1.0) * t
     }
 
-    /// Where strand `i` is at a station.
+    /// Position of strand `i` at a station.
     fn point(&self, station: &Station, i: u32) -> Vec3 {
         let n = f64::from(self.weave.strands);
         let cycle = self.phase + station.q / n;
         let (mut x, y) = self.weave.at(i, cycle);
         if self.looseness > 0.0 {
-            // A bulge where the strand is outermost, of its own size at each pass.
+            // A bulge where the strand is outermost, of a different size at each pass.
             let pass = (2.0 * (cycle + self.weave.ahead(i))).floor().max(0.0) as u64;
             let x2 = x * x;
-            // The more strands, the nearer to the edge the last crossing is (as 1 - cos(pi / N)): there strands bulge less, or
-            // one would pass the next before it turns.
+            // With more strands, the last crossing is closer to the edge (as 1 - cos(pi / N)): strands bulge less
+            // there, or one would pass the next before it turns.
             let fewer = (5.0 / n as f32).min(1.0);
             let most = 0.3 * fewer * fewer * self.looseness;
             x *= 1.0 + most * self.loose.unit(self.ids[i as usize], pass) * x2 * x2;
@@ -401,8 +401,8 @@ impl Shape<'_> {
         }
         let half = (self.cvs_per_stitch / 2).max(1);
         if below.contact == Contact::Flatten {
-            // One ground for a whole section, and one that rises and falls slowly along the braid: over folds of the skin
-            // strands would each be pressed by what is below them alone, and change their order.
+            // One ground height for a whole section, rising and falling slowly along the braid: over folds of the skin,
+            // strands pressed individually by what is below them would change their order.
             let lacking: Vec<f32> = stations
                 .iter()
                 .enumerate()
@@ -420,7 +420,7 @@ impl Shape<'_> {
                 }
             }
         }
-        // What is still in the skin moves with its whole cross-section: the section keeps its shape.
+        // What is still in the skin moves with its whole cross-section, which keeps its shape.
         let lacking: Vec<f32> = stations
             .iter()
             .enumerate()
@@ -430,7 +430,7 @@ impl Shape<'_> {
                     let lacks = distance(below, points[k], reach).map_or(0.0, |d| station.tube - d);
                     most.max(lacks)
                 });
-                // A thousandth is what pressing leaves by rounding.
+                // Pressing leaves a thousandth by rounding.
                 if most > 1e-3 * station.tube { most } else { 0.0 }
             })
             .collect();
@@ -446,23 +446,24 @@ impl Shape<'_> {
     }
 }
 
-/// The middle of a tuft beyond the end of its source: straight on, and along the skin where that is in the way.
+/// Centre line of an end tuft past the end of its source: straight on, or along the skin where that is in the way.
 struct Tassel {
-    /// cm along source and tuft, and where that is.
+    /// Distance in cm along source and tuft, and the position there.
     reached: f32,
     at: Vec3,
-    /// The way on and the front there, once it has left the source.
+    /// Direction and front, once it has left the source.
     way: Option<Frame>,
 }
 
 impl Tassel {
-    /// The middle at `s`, and its frame. `last` is the source's at its end; the middle stays `height` cm off the skin.
+    /// Centre at `s`, and its frame. `last` is the source's frame at its end; the centre stays `height` cm off the
+    /// skin.
     fn lead(&mut self, s: f32, last: Frame, below: Option<&Below>, height: f32) -> (Vec3, Frame) {
         let way = *self.way.get_or_insert(last);
         let (far, from) = (s - self.reached, self.at);
         let below = below.filter(|below| below.contact != Contact::Allow);
         let mut to = from;
-        // So short that no step ends deeper than the distance field knows.
+        // Short enough that no step ends deeper than the distance field covers.
         let steps =
             if below.is_some() { (far / TUFT_STEP).ceil().clamp(1.0, MOST_IN_TUFT) } else { 1.0 };
         for _ in 0..steps as usize {
@@ -471,7 +472,7 @@ impl Tassel {
                 to = below.skin.lift(to, height).0;
             }
         }
-        // As far as asked, however the skin turned it.
+        // Exactly as far as requested, however the skin turned it.
         let tangent = (to - from).try_normalize().unwrap_or(way.tangent);
         self.at = from + tangent * far;
         self.reached = s;
@@ -482,30 +483,30 @@ impl Tassel {
     }
 }
 
-/// How much the lowest place that a strand could take where `p` is lacks to lie on the skin.
+/// How much the lowest possible position of a strand at `p` is below the skin.
 fn lacks(station: &Station, p: Vec3, below: &Below) -> f32 {
     let over_lowest = (p - station.centre).dot(station.frame.normal) + station.b;
     let reach = 2.0 * (station.b + station.tube);
     distance(below, p, reach).map_or(0.0, |d| station.tube - (d - over_lowest))
 }
 
-/// A point of a cross-section after what is below it has been pressed up: the lowest place a strand could take comes to rest
-/// on the skin, the highest stays, and what is between keeps its order.
+/// A point of a cross-section after pressing from below: the lowest possible position of a strand rests on the skin,
+/// the highest stays, and everything between keeps its order.
 fn pressed(station: &Station, p: Vec3, lacks: f32) -> Vec3 {
     let depth = 2.0 * station.b;
     if depth <= 0.0 {
         return p;
     }
-    // At most so much of the depth is pressed together; beyond it everything is lifted.
+    // At most this much of the depth is compressed; beyond that, everything is lifted.
     let pressed = lacks.min(0.6 * depth);
     let over_lowest = (p - station.centre).dot(station.frame.normal) + station.b;
     let share = 1.0 - (over_lowest / depth).clamp(0.0, 1.0);
     p + station.frame.normal * (pressed * share + (lacks - pressed))
 }
 
-/// Signed distance from the skin where it is nearer than `reach`.
+/// Signed distance from the skin if it is below `reach`.
 pub(crate) fn distance(below: &Below, p: Vec3, reach: f32) -> Option<f32> {
-    // The field knows distances up to a centimetre.
+    // The field covers distances up to a centimetre.
     if reach < 0.95 {
         return Some(below.skin.distance(p)).filter(|d| *d < 0.99);
     }
@@ -513,7 +514,8 @@ pub(crate) fn distance(below: &Below, p: Vec3, reach: f32) -> Option<f32> {
     surface.closest_within(p, reach).map(|hit| surface.signed_distance(p, &hit))
 }
 
-/// A smooth function nowhere below `values`: the most of each neighbourhood, averaged over as many.
+/// A smooth function nowhere below `values`: the maximum of each neighbourhood, averaged over neighbourhoods of the same
+/// size.
 fn eased_above(values: &[f32], half: usize) -> Vec<f32> {
     let n = values.len();
     let around = |k: usize| k.saturating_sub(half)..(k + half + 1).min(n);
@@ -528,8 +530,8 @@ fn eased_above(values: &[f32], half: usize) -> Vec<f32> {
         .collect()
 }
 
-/// How many times as many points as stations a strand needs so that its even points, too, tell where it crosses others. Where
-/// a source bends sharply the outer strands are so much longer there that the rest would be left with few.
+/// Factor of points over stations that a strand needs so that its even points also show its crossings. Where a source
+/// bends sharply, the outer strands are so much longer that the rest would be left with few points.
 fn more_points(spline: &Spline, spans: usize) -> f32 {
     let reached = |k: usize| {
         let place = spline.locate(k as f32 / spans as f32);
@@ -539,7 +541,7 @@ fn more_points(spline: &Spline, spans: usize) -> f32 {
     if widest > UNEVEN { (widest / EVEN).min(MOST_MORE) } else { 1.0 }
 }
 
-/// How much a curve turns in all, radians (chords for arcs: a little less).
+/// Total turn of a curve, radians (chords for arcs: slightly less).
 fn total_turn(spline: &Spline) -> f32 {
     let mut last = spline.tangent(Place { span: 0, t: 0.0 });
     let mut total = 0.0;
@@ -553,7 +555,7 @@ fn total_turn(spline: &Spline) -> f32 {
     total
 }
 
-/// A place where a strand is outermost.
+/// A point where a strand is outermost.
 pub(crate) struct Stitch {
     /// Stitch coordinate.
     pub(crate) q: f64,
@@ -563,14 +565,14 @@ pub(crate) struct Stitch {
 }
 
 impl Shape<'_> {
-    /// The stitches up to the tie, in order; of two at one place the left one first.
+    /// The stitches up to the tie, in order; of two at one position, the left one first.
     pub(crate) fn stitches(&self) -> Vec<Stitch> {
         let n = f64::from(self.weave.strands);
         let mut all = vec![];
         for (quarter, side) in [(0.25, self.weave.first_side()), (0.75, -self.weave.first_side())] {
             let first = (quarter - self.phase) * n;
             let mut q = first - first.floor();
-            // What rounds to a whole stitch is one.
+            // Values that round to a whole stitch count as one.
             if q > 1.0 - 1e-9 {
                 q = 0.0;
             }
@@ -588,7 +590,7 @@ impl Shape<'_> {
 }
 
 impl Laid {
-    /// Where on the strands through the stations a stitch coordinate is.
+    /// The position of a stitch coordinate on the strands through the stations.
     fn place(&self, q: f64, stitches: f64) -> Place {
         let x = (q / stitches).clamp(0.0, 1.0) * self.braided as f64;
         let span = (x as usize).min(self.braided - 1);
@@ -600,7 +602,7 @@ impl Laid {
         let point = self.raw[stitch.strand as usize].point(place);
         (point, self.along(place), self.frame(place).normal)
     }
-    /// CVs of a strand for one stitch.
+    /// CVs of a strand per stitch.
     pub(crate) fn cvs_per_stitch(&self, stitches: f64) -> f32 {
         (self.braided as f64 / stitches) as f32 * self.finer
     }
@@ -614,7 +616,7 @@ impl Laid {
         let normal = a.normal.lerp(b.normal, place.t);
         Frame { tangent, normal: frame::across(normal, tangent).unwrap_or(a.normal) }
     }
-    /// How far the skin counts at arc length `s`: 0 at the root of a braid that grows out of it, then 1.
+    /// Influence of the skin at arc length `s`: 0 at the root of a braid that grows out of it, then 1.
     pub(crate) fn grip(&self, s: f32) -> f32 {
         let after = self.stations.partition_point(|station| station.s <= s);
         self.stations[after.clamp(1, self.stations.len()) - 1].grip

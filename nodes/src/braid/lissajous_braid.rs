@@ -1,15 +1,15 @@
 //! Lissajous braid: strands woven along a source curve, free or lying on the scalp as a cornrow.
 //!
-//! methods.md 2, after section 2.1 of the braids-and-curls talk ("Lightyear"). The path of the strands across the braid is in
-//! `weave.rs`, laying it along a source and on the skin in `lay.rs`, the thickness of the tubes in
-//! `touch.rs`, loose hairs in `stray.rs`.
+//! methods.md 2, after section 2.1 of the braids-and-curls talk ("Lightyear"). The path of the strands across the braid
+//! is in `weave.rs`, its layout along a source and on the skin in `lay.rs`, the thickness of the tubes in `touch.rs`,
+//! flyaways in `stray.rs`.
 //!
-//! Guarantees: the strands' crossings, read from the evaluated curves, are those of the weave on any
-//! source (one that turns back on itself folds the braid over; between the points beside a fold nothing can be read); tubes touch and never pass through each other wherever the source's radius of
-//! curvature is at least twice the amplitude and it stays clear of itself; even stitches are even to 1 % of arc
-//! length; flyaways and the tuft beyond the source stay out of the skin; a source without length or with a number that is
-//! not finite is left out and named.
-//! Not promised: that tubes keep clear where the source turns more sharply than that, or comes near itself.
+//! Guarantees: the strands' crossings, read from the evaluated curves, are those of the weave on any source (a source
+//! that turns back on itself folds the braid over; between the points beside a fold nothing can be read); tubes touch
+//! and never intersect wherever the source's radius of curvature is at least twice the amplitude and the source stays
+//! clear of itself; even stitches are even to 1 % of arc length; flyaways and the end tuft past the source stay out of
+//! the skin; a source without length or with a non-finite number is dropped and named in a message. Not promised: that
+//! tubes stay clear where the source turns more sharply than that, or comes near itself.
 
 use super::lay::{self, Advance, Below, Contact, Facing, Shape};
 use super::stray::{self, Strand};
@@ -28,161 +28,162 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Braid two to twelve strands along each source curve.
+    /// Braids two to twelve strands along each source curve.
     ///
-    /// The strands are cluster curves whose radius makes neighbours just touch; fill them with hair downstream. With
-    /// a scalp wired the braid lies on it as a cornrow, raised by half its height, and its stitches face
-    /// outward. Give the stitches to the edge partition to draw the surrounding hair into the braid.
+    /// The strands are clusters whose radius makes neighbours just touch; fill them with hair downstream. With a scalp
+    /// wired, the braid lies on it as a cornrow, raised by half its height, with its stitches facing outward. Wire the
+    /// stitches to Edge partition to pull the surrounding hair into the braid.
+    ///
+    /// With stitches by spacing, a longer source adds stitches and keeps the existing ones. A varying spacing shortens
+    /// stitches where the braid is thinner, down to two fifths of the longest.
     "lissajous_braid", version 1, label "Lissajous braid",
     words "braid plait cornrow canerow knots dutch french english fishtail rope twist two strand box braids fulani ghana goddess pigtail dookie hair curves";
     inputs {
         /// Curves to braid along, root first; one braid each.
         source: Curves, words("guide spine path");
-        /// The head. Cornrows lie on it; free braids are kept out of it.
+        /// The head. Cornrows lie on it; free braids stay out of it.
         scalp: Option<Arc<Scalp>>;
         /// Strands in each braid.
         strands: i64 = 3, hard(2.0, 12.0), soft(2.0, 7.0), unit(Count), words("hanks sections");
-        /// How often a strand goes up and down while it crosses the braid once and returns: 1 is a rope, 2 the
-        /// classic braid, one less than the strands a plain weave. It must have no divisor in common with the number
-        /// of strands. 0 takes the smallest from 2 on that fits (a rope for two strands).
+        /// How often a strand goes up and down on its way across the braid and back: 1 is a rope, 2 the classic braid,
+        /// one less than the strands a plain weave. Must share no divisor with the number of strands. 0 takes the
+        /// smallest valid value from 2 up (a rope for two strands).
         weave: i64 = 0, hard(0.0, 11.0), soft(0.0, 5.0), unit(Count), words("pattern fishtail"),
             idle(|of| unless(of, "formula", "weave", "the formula of the talk has a path of its own"));
-        /// Whether the number of stitches is given, or their distance.
+        /// Set the number of stitches, or their spacing.
         stitches_by: StitchesBy = StitchesBy::Spacing;
-        /// Stitches (the Vs of a braid) along the curve up to the tie, when they are counted. Each source can have its own
-        /// by an attribute or mask.
+        /// Stitches (the Vs of a braid) along the curve up to the tie, when by count. An attribute or mask can set it
+        /// per source.
         stitches | knots: FieldInput = 12.0f32, hard(1.0, 200.0), soft(3.0, 60.0), unit(Count), words("knots frequency"),
             idle(|of| unless(of, "stitches_by", "count", "stitches are spaced, not counted"));
-        /// Distance of stitches, when they are spaced. 0 takes what suits firmly braided hair: one and a half times the
-        /// amplitude (about half the braid's width) for up to four strands, less for more. Under one
-        /// amplitude strands get thin. Longer sources get more stitches, and those there are stay where they are. A ramp or
-        /// an attribute such as girth makes stitches shorter where the braid is thinner, down to two fifths of the longest.
+        /// Length of a stitch, when by spacing. 0 takes what suits a firm braid: one and a half times the amplitude
+        /// (about half the braid's width) for up to four strands, less for more. Below one amplitude, strands get thin.
+        /// A ramp or an attribute such as girth may vary it.
         stitch_spacing: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 4.0), unit(Length), words("knots frequency"),
             idle(|of| unless(of, "stitches_by", "spacing", "stitches are counted, not spaced"));
-        /// Width of the whole braid over its tubes. A ramp or mask may vary it.
+        /// Width of the whole braid, including its tubes. A ramp or mask may vary it.
         width: FieldInput = 1.0f32, hard(0.01, 100.0), soft(0.2, 5.0), unit(Length), handle(Handle::Radius);
-        /// Height of the whole braid over its tubes, front to back. 0 takes half the width, or the whole
-        /// width for a rope.
+        /// Height of the whole braid, front to back, including its tubes. 0 takes half the width, or the whole width
+        /// for a rope.
         height: FieldInput = 0.0f32, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("depth thickness");
-        /// Thickness of the tubes: 1 makes neighbours touch, less leaves gaps, more presses them into one another, which
-        /// closes the windows of braids with many strands.
+        /// Thickness of the tubes: 1 makes neighbours touch, less leaves gaps, more presses them together, which closes
+        /// the gaps of braids with many strands.
         fullness: FieldInput = 1.0f32, hard(0.05, 2.0), soft(0.5, 1.1), unit(Ratio), words("volume pancake");
 
         [Placement]
-        /// Height of the underside of a braid with scalp frames over its source. Below 0 it lies deeper.
+        /// Height of the underside of a braid with scalp frames above its source. Negative is deeper.
         scalp_offset: f32 = 0.0, hard(-10.0, 10.0), soft(-0.5, 0.5), unit(Length), handle(Handle::Length);
-        /// How far a braid with scalp frames sinks: 0 lies on the skin, 1 has its middle at the skin. What would
-        /// be under the skin is treated as the scalp intersection says.
+        /// How deep a braid with scalp frames sinks in: 0 lies on the skin, 1 has its middle at the skin. Scalp
+        /// intersection decides what happens to the part below the skin.
         sink: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("embed");
-        /// What happens to a braid that reaches into the skin.
+        /// What happens where a braid reaches into the skin.
         scalp_intersection: Intersection = Intersection::Flatten, words("collision penetration");
 
         [Shape]
-        /// The path of the strands across the braid.
+        /// Path of the strands across the braid.
         formula: Formula = Formula::Weave;
-        /// Whether strands cross under or over on their way in. It makes no difference where the weave is odd (a rope,
-        /// four or six strands): both are the same braid, and only the handedness tells two apart.
+        /// Whether strands cross under or over on their way in. For odd weaves (a rope, four or six strands) both give
+        /// the same braid; use handedness instead.
         crossing: Crossing = Crossing::Auto, words("dutch french inside out"), idle(one_braid);
-        /// Which way round the braid is: the turn of a rope, or the side on which the first stitch lies.
+        /// Handedness of the braid: the turn of a rope, or the side of the first stitch.
         handedness: Hand = Hand::Z, words("mirror direction twist");
-        /// Where in their cycle the strands start, 360 degrees being once across and back.
+        /// Where in their cycle the strands start; 360 degrees is once across and back.
         phase: f32 = 0.0, hard(-3600.0, 3600.0), soft(0.0, 360.0), unit(Angle);
-        /// What the front of the braid faces.
+        /// Direction that the front of the braid faces.
         frames: FramesBy = FramesBy::Auto;
-        /// The direction that the front of the braid faces, when frames follow an axis.
+        /// Direction that the front faces, when frames follow an axis.
         up_axis: Vec3 = Vec3::Y, idle(|of| unless(of, "frames", "up_axis", "frames follow no axis"));
-        /// Turn of the whole braid about its source. A ramp twists it.
+        /// Roll of the whole braid about its source. A ramp twists it.
         roll: FieldInput = 0.0f32, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle),
             words("twist");
-        /// Turn added along the source, degrees from root to tip.
+        /// Additional roll along the source, in degrees from root to tip.
         roll_ramp: Arc<Ramp> = Ramp::constant(0.0), unit(Angle), words("twist");
 
         [RootAndTip]
-        /// Width and height at the root, as a fraction of the full size. 0 starts the braid in a point.
+        /// Width and height at the root, as a fraction of full size. 0 starts the braid in a point.
         root_amplitude: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
-        /// How the root amplitude (value 0) becomes the full size (value 1) along the source.
+        /// Blend along the source from the root amplitude (value 0) to full size (value 1).
         root_taper: Arc<Ramp> = taper(0.0, 0.3);
-        /// Length over which the strands, gathered to a bundle at the root, open to the full braid. 0 starts them as they lie
-        /// in the braid.
+        /// Length over which the strands open from a bundle at the root to the full braid. 0 starts them as they lie in
+        /// the braid.
         root_gather: f32 = 0.8, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length);
-        /// Width and height at the tip, as a fraction of the full size. 0 ends the braid in a point.
+        /// Width and height at the tip, as a fraction of full size. 0 ends the braid in a point.
         tip_amplitude: f32 = 0.7, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio);
-        /// How the full size (value 0) becomes the tip amplitude (value 1) along the source.
+        /// Blend along the source from full size (value 0) to the tip amplitude (value 1).
         tip_taper: Arc<Ramp> = taper(0.3, 1.0);
 
         [Tie]
-        /// Where along the source the braid is tied, as a fraction of its length. What lies beyond hangs loose as a
-        /// tuft; 1 braids to the very end.
+        /// Position of the tie, as a fraction of the source's length. Hair beyond it hangs loose as the end tuft; 1
+        /// braids to the very end.
         tie: f32 = 0.9, hard(0.05, 1.0), soft(0.5, 1.0), unit(Ratio), handle(Handle::Along), words("elastic band bead");
-        /// Length of the tuft beyond the tie; past the end of the source it goes on straight. 0 ends with the source.
+        /// Length of the end tuft. Past the end of the source it continues straight. 0 ends with the source.
         tuft_length: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 10.0), unit(Length), handle(Handle::Length), words("tassel tail");
-        /// How much wider the tuft ends than it is at the tie: 0 as wide, 1 twice as wide, -1 in a point.
+        /// Extra width at the end of the tuft over the tie: 0 is as wide, 1 twice as wide, -1 a point.
         flare: f32 = 0.4, hard(-1.0, 10.0), soft(-1.0, 2.0), words("tassel");
 
         [Detail]
-        /// Points of each strand for one stitch. 8 is enough for three strands and few stitches; weaves with many
-        /// strands need no more, for their stitches are parts of a longer path.
+        /// CVs of each strand per stitch. 8 is enough for three strands and few stitches. Weaves with many strands need
+        /// no more, since a stitch is then a shorter part of the path.
         cvs_per_stitch: i64 = 12, hard(8.0, 64.0), soft(8.0, 32.0), unit(Count), words("resolution points");
-        /// Measure lengths in head units: on a head of another size the braid is as much larger or smaller. Needs the
-        /// scalp.
+        /// Scale lengths with the size of the head. Needs the scalp.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How loosely the braid is made: its size wavers and strands bulge out here and there. 0 is perfectly
-        /// regular.
+        /// How loosely the braid is made: its size varies and strands bulge out in places. 0 is perfectly regular.
         looseness: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("messy random");
-        /// How much stitches differ in length. 0 makes all the same, 1 lets one be several times another.
+        /// Random variation in stitch length: 0 makes all the same, 1 makes some several times as long as others.
         uneven_stitches: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("messy random irregular");
-        /// Short hairs that stick out of the braid, for each centimetre of it; they come out by themselves.
+        /// Short hairs that stick out of the braid, per centimetre of braid. They have their own output.
         flyaways: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 40.0), unit(PerCm), words("stray frizz fuzz");
         /// Length of the longest flyaways; the shortest have a third of it.
         flyaway_length: f32 = 1.0, hard(0.01, 50.0), soft(0.2, 4.0), unit(Length),
             idle(|of| matches!(of("flyaways"), Some(Value::Float(0.0))).then_some("there are no flyaways"));
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The strands: for each source one tuft of as many curves as there are strands, with radius, normal and the
-        /// fraction along the source at each point.
+        /// The strands: one tuft per source with one curve per strand, with radius, normal and the fraction along the
+        /// source at each point.
         curves: Curves;
-        /// One curve for each braid through its stitches, the places where a strand is outermost, in order, with
-        /// side and fraction along the source at each point.
+        /// One curve per braid through its stitches (the places where a strand is outermost), in order, with side and
+        /// fraction along the source at each point.
         stitches: Curves;
-        /// The flyaways, fine curves rooted on the strands.
+        /// The flyaways: fine curves rooted on the strands.
         flyaways: Curves;
     }
 }
 
 choice! {
-    /// The path of the strands across the braid.
+    /// Path of the strands across the braid.
     Formula {
         /// A true weave for every number of strands.
         Weave = "weave",
-        /// The formula of the Lightyear talk as printed. The same for three strands; with more they pass through each other.
+        /// The formula from the Lightyear talk, as printed. Identical for three strands; with more, strands intersect.
         Lightyear = "lightyear",
     }
 }
 
 choice! {
-    /// What decides the number of stitches.
+    /// What sets the number of stitches.
     StitchesBy {
-        /// Their number on each curve.
+        /// The number of stitches per curve.
         Count = "count",
-        /// Their distance.
+        /// The length of a stitch.
         Spacing = "spacing",
     }
 }
 
 choice! {
-    /// What the front of the braid faces.
+    /// Direction that the front of the braid faces.
     FramesBy {
-        /// Away from the scalp where one is wired, else as little twist as possible.
+        /// Away from the scalp if one is wired, else with as little twist as possible.
         Auto = "auto",
-        /// As little twist as possible, from the root on. For braids that hang free.
+        /// As little twist as possible, starting at the root. For free-hanging braids.
         Minimal = "minimal",
-        /// A direction in space.
+        /// A fixed direction.
         UpAxis = "up_axis",
-        /// Away from the scalp below; farther off than the braid is wide, as little twist as possible. For cornrows.
+        /// Away from the scalp below; farther from it than the braid is wide, as little twist as possible. For
+        /// cornrows.
         Scalp = "scalp",
     }
 }
@@ -200,23 +201,23 @@ choice! {
 }
 
 choice! {
-    /// What happens to a braid that reaches into the skin.
+    /// What happens where a braid reaches into the skin.
     Intersection {
-        /// It is pressed flat on to the skin; tubes still touch and never pass through each other.
+        /// Flattens the braid onto the skin; tubes still touch and never intersect.
         Flatten = "flatten",
-        /// It keeps its cross-section and is moved off the skin.
+        /// Keeps its cross-section and moves it off the skin.
         PushOut = "push_out",
-        /// It stays as it is, and its strands may lie under the skin as deep as they do.
+        /// Leaves it as it is; strands may lie below the skin, and their allowed depth is set accordingly.
         Allow = "allow",
     }
 }
 
 choice! {
-    /// Which way round the braid is.
+    /// Handedness of the braid.
     Hand {
-        /// Turned like the middle of the letter Z.
+        /// Twisted like the middle of the letter Z.
         Z = "Z",
-        /// Turned like the middle of the letter S.
+        /// Twisted like the middle of the letter S.
         S = "S",
     }
 }
@@ -225,7 +226,7 @@ fn taper(from: f32, to: f32) -> Ramp {
     Ramp::new(Blend::Smooth, vec![(from, 0.0), (to, 1.0)]).unwrap_or_else(|_| Ramp::constant(1.0))
 }
 
-/// Why the crossing makes no difference: in an odd weave, over and under are one braid.
+/// Why the crossing has no effect: in an odd weave, over and under are the same braid.
 fn one_braid(of: &dyn Fn(&str) -> Option<Value>) -> Option<&'static str> {
     let (Some(Value::Int(strands)), Some(Value::Int(asked))) = (of("strands"), of("weave")) else {
         return None;
@@ -239,7 +240,7 @@ fn one_braid(of: &dyn Fn(&str) -> Option<Value>) -> Option<&'static str> {
     )
 }
 
-/// Index under which a braid's own id is made from its source, and that of its stitch curve: beyond any strand.
+/// Index from which a braid's own id, and that of its stitch curve, are made from its source: beyond any strand.
 const BRAID_ITSELF: u64 = 1 << 32;
 const STITCHES: u64 = BRAID_ITSELF + 1;
 
@@ -257,7 +258,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves, stitches, flyaways })
 }
 
-/// The points of all strands up to their ties, at least: stitches are taken as long as they may come.
+/// Lower bound for the points of all strands up to their ties: stitches are assumed as long as they can be.
 fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     let inputs = plan.inputs;
     let scalp = inputs.scalp.as_deref();
@@ -276,7 +277,7 @@ fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
                 StitchesBy::Spacing => {
                     let pitch = match most(&spacing) {
                         asked if asked > 0.0 => asked,
-                        // Strands swing no farther than half the width.
+                        // Strands swing at most half the width.
                         _ => firm_pitch(plan.weave.strands) * 0.5 * most(&width),
                     };
                     let chords = tuft.curve(curve).windows(2).map(|w| w[0].distance(w[1]));
@@ -293,12 +294,12 @@ fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     ]))
 }
 
-/// What all braids of one evaluation share.
+/// Settings shared by all braids of one evaluation.
 struct Plan<'a> {
     inputs: &'a Inputs,
     weave: Weave,
     paths: Paths,
-    /// Centimetres in the unit that lengths are given in.
+    /// Centimetres per unit of the lengths.
     unit: f32,
     facing: Facing,
     below: Option<Below<'a>>,
@@ -372,14 +373,14 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The most stitches that a spacing may ask for on one source.
+/// The most stitches that a spacing may produce on one source.
 const MOST_STITCHES: f32 = 400.0;
-/// Stitches are not shorter than this share of the longest: hair is given points for a few on a stitch, and goes through more.
+/// Stitches are at least this fraction of the longest: hair gets points for a few per stitch, and passes through more.
 const SHORTEST: f32 = 0.4;
-/// Stitches of fewer amplitudes than this somewhere on a braid are told.
+/// Stitches shorter than this many amplitudes anywhere on a braid are reported.
 const CROWDED: f32 = 0.7;
 
-/// The strands, stitches and flyaways of one source; none where the source is no curve.
+/// The strands, stitches and flyaways of one source; `None` if the source is not a curve.
 fn braid(
     plan: &Plan,
     tuft: &Tuft,
@@ -411,7 +412,7 @@ fn braid(
 
     // A rope is as high as it is wide.
     let flat = if plan.weave.waves() == 1 { 1.0 } else { 0.5 };
-    // The full size is that of the widest place; elsewhere it is scaled.
+    // The full size is that of the widest position; elsewhere it is scaled.
     let outer = |u: f32| {
         let w = width.along(tuft, curve, u) * unit;
         let h = height.along(tuft, curve, u) * unit;
@@ -426,11 +427,11 @@ fn braid(
         let (w, h) = outer(u);
         let root = lerp(inputs.root_amplitude, 1.0, inputs.root_taper.at(u));
         let tip = lerp(1.0, inputs.tip_amplitude, inputs.tip_taper.at(u));
-        // Amplitude 0 would put all strands at one place, where no tube has any thickness.
+        // Amplitude 0 would put all strands at one point, where no tube has any thickness.
         let taper = (root * tip).max(0.02);
         (taper * w / full_w, taper * h / full_h)
     };
-    // A braid that sinks into skin it is pressed on to is a flatter braid.
+    // A braid that sinks into skin it is pressed onto is a flatter braid.
     let offset = inputs.scalp_offset * unit;
     let pressing = plan.facing == Facing::Skin
         && plan.below.as_ref().is_some_and(|below| below.contact == Contact::Flatten);
@@ -450,7 +451,7 @@ fn braid(
     let spacing = spacing?;
     let spacing_at = |u: f32| spacing.along(tuft, curve, u) * unit;
     let varies = inputs.stitches_by == StitchesBy::Spacing && !spacing.is_of_curves();
-    // Inner sizes are those of the widest place, where stitches are longest.
+    // Inner sizes are those of the widest position, where stitches are longest.
     let spacing = match varies {
         true => (0..=64).map(|k| spacing_at(k as f32 / 64.0)).fold(0.0, f32::max),
         false => spacing_at(0.0),
@@ -471,7 +472,7 @@ fn braid(
     }
     let least = SHORTEST * size.pitch;
     let along = |s: f32| spacing_at(s / length).clamp(least, size.pitch);
-    // Width and stitches that do not vary alike may fit at the widest place alone.
+    // Width and stitches that do not vary together may fit only at the widest position.
     let closest = |k: usize| {
         let s = tied_at * k as f32 / 16.0;
         let pitch = if varies { along(s) } else { size.pitch };
@@ -519,8 +520,8 @@ fn braid(
             return Ok(None);
         }
     };
-    // Looking this far along the source finds the nearest place of another strand also where a bend
-    // of radius 2A halves distances on its inner side.
+    // A search this far along the source finds the nearest point of another strand even where a bend of radius 2A
+    // halves distances on its inner side.
     let window = 1.5 * size.pitch.max(1.2 * size.a);
     let fill = |u: f32| fullness.along(tuft, curve, u);
     let stitch = laid.cvs_per_stitch(stitches);
@@ -616,9 +617,9 @@ fn braid(
     Ok(Some([out.build(), stitch_curve.build(), strays]))
 }
 
-/// Distance of stitches of a firmly braided braid, in amplitudes. Strands cross at about 45 degrees and close the windows
-/// between them; at twice the amplitude, three strands half as high as wide leave the scalp showing through. Below one
-/// amplitude tubes get thin.
+/// Stitch length of a firm braid, in amplitudes. Strands cross at about 45 degrees and close the gaps between them; at
+/// twice the amplitude, three strands half as high as wide leave the scalp visible. Below one amplitude, tubes get
+/// thin.
 fn firm_pitch(strands: u32) -> f32 {
     (6.0 / strands as f32).clamp(1.0, 1.5)
 }
@@ -627,8 +628,8 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// How stitches follow one another up to the tie, and how many there are.
-/// `along` tells the length of a stitch at a place (cm) where it is not the same everywhere.
+/// Positions of the stitches up to the tie, and their number. `along` gives the length of a stitch at a position (cm)
+/// if it varies.
 fn advance(
     plan: &Plan,
     braid_id: u64,
@@ -646,13 +647,13 @@ fn advance(
     let uneven = |k: u64| 1.0 + 0.7 * plan.inputs.uneven_stitches * plan.uneven.signed(braid_id, k);
     let draw = |k: u64| pitch * uneven(k);
     match plan.inputs.stitches_by {
-        // As many as asked for share the length.
+        // The requested number shares the length.
         StitchesBy::Count => {
             let n = even as u64;
             let fit = tied_at / (0..n).map(draw).sum::<f32>();
             (Advance::uneven(pitch, (0..n).map(|k| draw(k) * fit)), n as f64)
         }
-        // As many as go in: a longer source changes none of them.
+        // As many as fit: a longer source changes none of them.
         StitchesBy::Spacing => {
             let mut reached = 0.0;
             let lengths = (0..).map_while(|k| {
@@ -668,19 +669,19 @@ fn advance(
     }
 }
 
-/// Lets a tube rest on the skin: limits its radius to its centre's height where the skin counts, and tells
-/// how deep under the skin it still reaches.
+/// Lets a tube rest on the skin: limits its radius to the height of its centre where the skin counts, and returns how
+/// deep below the skin it still reaches.
 fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
     let Some(d) = lay::distance(below, p, 1.5 * *radius) else { return 0.0 };
     if below.contact != Contact::Allow {
         let free = (1.0 - grip) * *radius;
         *radius = radius.min(d.max(0.02 * *radius) + free);
     }
-    // A thousandth over, for what lies between CVs.
+    // A thousandth extra, for the parts between CVs.
     if *radius > d + 1e-4 { (*radius - d) + 1e-3 } else { 0.0 }
 }
 
-/// Gives strands the numbers that their source has at its points, such as how much hair has joined there.
+/// Copies the point attributes of the source to the strands, such as the fraction of joined hair.
 fn carry_along(
     out: &mut TuftBuilder,
     tuft: &Tuft,
@@ -706,7 +707,7 @@ fn carry_along(
     }
 }
 
-/// Binds curves to the scalp where their source is bound, or else where it is closest.
+/// Binds curves to the scalp where their source is bound, or else at the closest point.
 fn bind(out: &mut TuftBuilder, tuft: &Tuft, curve: usize, root: Vec3, scalp: Option<&Scalp>) {
     let at = tuft.range(curve).start;
     let triangle = tuft.view(ROOT_TRIANGLE).at(curve, at);

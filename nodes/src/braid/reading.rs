@@ -1,7 +1,8 @@
-//! What tests read of evaluated strands: their word and its signs, how near they come to one another, how even their CVs are.
+//! What tests measure on evaluated strands: their word and its signs, their distances, and how evenly spaced their CVs
+//! are.
 //!
-//! Guarantees: everything is read from the strands alone, splines through their CVs, radii between CVs straight; a word that is
-//! none fails the test that asked. Not promised: signs beside a fold of the source, where no point tells them.
+//! Guarantees: everything is measured on the strands only, as splines through their CVs with radii linear between CVs;
+//! an invalid word fails the calling test. Not promised: signs beside a fold of the source, where no point shows them.
 
 use super::weave::Weave;
 use crate::data::attributes as attr;
@@ -10,7 +11,7 @@ use crate::maths::frame::{Frame, across, frames};
 use crate::maths::spline::{Place, Spline};
 use glam::{Vec2, Vec3};
 
-/// A strand as its CVs say.
+/// A strand, from its CVs.
 pub(super) struct Strand {
     spline: Spline,
     pub(super) along: Vec<f32>,
@@ -35,14 +36,14 @@ impl Strand {
     fn between(column: &[f32], place: Place) -> f32 {
         column[place.span] * (1.0 - place.t) + column[place.span + 1] * place.t
     }
-    /// The point beside the fraction `u` of the source.
+    /// The point at the fraction `u` of the source.
     pub(super) fn beside(&self, u: f32) -> Vec3 {
         let last = self.spline.span_count() - 1;
         let span = self.along.partition_point(|a| *a <= u).saturating_sub(1).min(last);
         let (a, b) = (self.along[span], self.along[span + 1]);
         self.spline.point(Place { span, t: ((u - a) / (b - a)).clamp(0.0, 1.0) })
     }
-    /// Point, radius and fraction along the source, `per_span` times a span.
+    /// Point, radius and fraction along the source, `per_span` samples per span.
     pub(super) fn samples(&self, per_span: usize) -> Vec<(Vec3, f32, f32)> {
         let n = self.spline.span_count();
         (0..=n * per_span)
@@ -56,8 +57,8 @@ impl Strand {
     }
 }
 
-/// Crossings in order: which neighbours (0 is the leftmost pair), and whether the strand going right is above: None where
-/// `blind`, and there two that undo each other are left out.
+/// Crossings in order: which neighbours (0 is the leftmost pair), and whether the strand going right is above. `None`
+/// where `blind`; there, two crossings that undo each other are dropped.
 fn crossings(
     at: impl Fn(usize) -> Vec<Vec2>,
     blind: impl Fn(usize) -> bool,
@@ -90,8 +91,8 @@ fn crossings(
     word
 }
 
-/// Signs of the generators of a word in which all crossings of a pair are alike and neighbouring pairs take turns: up to
-/// exchange of commuting generators and rotation such a word is (one stitch's factor)^stitches.
+/// Signs of the generators of a word in which all crossings of a pair have the same sign and neighbouring pairs
+/// alternate: up to exchange of commuting generators and rotation, such a word is (one stitch's factor)^stitches.
 #[track_caller]
 fn signs(
     word: &[(usize, Option<bool>)],
@@ -132,9 +133,9 @@ pub(super) fn path_signs(weave: &Weave) -> Vec<Option<bool>> {
     signs(&crossings(at, |_| false, 97 * 4 + 1), n, 4.0, "path")
 }
 
-/// Crossing signs of a braid over the fractions `over` of its source. Where the source turns back on itself the braid is
-/// folded over: of crossings between the two points of a strand beside the fold no point tells which strand is in front,
-/// nor when, and they are counted only.
+/// Crossing signs of a braid over the fractions `over` of its source. Where the source turns back on itself, the braid
+/// is folded over: between the two points of a strand beside the fold, no point shows which strand is in front, or
+/// when, so those crossings are only counted.
 #[track_caller]
 pub(super) fn braid_signs(
     strands: &[Strand],
@@ -164,13 +165,13 @@ pub(super) fn braid_signs(
             frames[k - 1].tangent.dot(frames[*k].tangent) < -std::f32::consts::FRAC_1_SQRT_2
         })
         .collect();
-    // At least eight points to a stitch of 64 samples, of which strands that go across take more than the source.
+    // At least eight points per stitch of 64 samples, of which strands that run across take more than the source.
     let blind = |k: usize| folds.iter().any(|fold| k.abs_diff(*fold) <= 12);
     signs(&crossings(at, blind, samples), strands.len(), stitches, what)
 }
 
-/// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and how large a part of the strands'
-/// samples has a neighbour that it touches to 8 %.
+/// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and the fraction of the strands' samples
+/// with a neighbour that touches them to 8 %.
 pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
     let all: Vec<Vec<(Vec3, f32, f32)>> = strands.iter().map(|s| s.samples(4)).collect();
     let (mut worst, mut touching, mut count) = (0.0f32, 0, 0);

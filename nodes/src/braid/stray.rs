@@ -1,7 +1,7 @@
 //! Flyaways: short hairs that leave a braid.
 //!
-//! Guarantees: each is as long as was drawn for it, a third of the longest to all of it; more of them only adds to those there
-//! are; where the skin is told, none lies in it. Not promised: that they keep clear of the braid.
+//! Guarantees: each has its random length, from a third of the longest to all of it; a higher number only adds; with a
+//! known skin, none lies in it. Not promised: that they stay clear of the braid.
 
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Tuft, TuftBuilder};
@@ -13,19 +13,19 @@ use crate::maths::hash::{Dice, curve_id};
 use crate::maths::spline::Spline;
 use glam::Vec3;
 
-/// Points of a flyaway.
+/// CVs of a flyaway.
 const CVS: usize = 8;
 
-/// A braid's strand as flyaways see it.
+/// A braid strand as input for flyaways.
 pub(crate) struct Strand<'a> {
     pub(crate) spline: &'a Spline,
     pub(crate) radii: &'a [f32],
-    /// Centre of the braid beside each CV.
+    /// Centre of the braid at each CV.
     pub(crate) centres: Vec<Vec3>,
     pub(crate) id: u64,
 }
 
-/// `count` hairs of up to `longest` cm on the strands of one braid, kept out of the skin. More only adds to them.
+/// `count` hairs of up to `longest` cm on the strands of one braid, kept out of the skin. A higher count only adds.
 pub(crate) fn flyaways(
     strands: &[Strand],
     (braid, tag): (u64, u64),
@@ -48,7 +48,7 @@ pub(crate) fn flyaways(
             .unwrap_or_else(|| frame::any_normal(tangent));
         let frame = frame::Frame { tangent, normal: away }.rolled(1.2 * dice.signed(id, 2));
         let length = longest * dice.range(id, 3, 1.0 / 3.0, 1.0);
-        // Lies along the strand at first, then springs away, and bends to one side.
+        // Runs along the strand at first, then springs away and bends to one side.
         let (lift, bend) = (dice.range(id, 4, 0.25, 0.9), 0.5 * dice.signed(id, 5));
         let from = p + frame.normal * (0.9 * strand.radii[place.span]);
         let way = |k: usize| {
@@ -74,11 +74,11 @@ pub(crate) fn flyaways(
     Ok(out.build())
 }
 
-/// The end of a step, turned along the skin where that is in the way.
+/// End point of a step, turned along the skin if that is in the way.
 fn out_of(skin: Option<&Skin>, from: Vec3, step: Vec3) -> Vec3 {
     let far = step.length();
     let Some(skin) = skin else { return from + step };
-    // So short that none ends deeper than the distance field knows.
+    // Short enough that no step ends deeper than the distance field covers.
     let parts = (far / 0.4).ceil().clamp(1.0, 128.0);
     let to = (0..parts as usize).fold(from, |at, _| skin.push_out(at + step / parts, 0.0).0);
     let turned = from + (to - from).normalize_or_zero() * far;

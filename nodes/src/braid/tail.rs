@@ -1,14 +1,14 @@
-//! The tail of a braid beyond the head: it falls on from where its row ends, about what is in its way.
+//! The tail of a braid beyond the head: it falls from the end of its row, around what is in its way.
 //!
-//! A tail is as long as asked for and keeps its height over the skin where the skin allows it; over a nook (a collar, a
-//! shoulder's fold) it goes in a bow. Nothing is said of how it would swing.
+//! A tail has the requested length and keeps its height above the skin where the skin allows it; it spans nooks (a
+//! collar, a shoulder's fold) in a bow. It does not swing.
 
 use crate::data::scalp::Skin;
 use glam::Vec3;
 
-/// The row with a tail of `length` cm that falls from its end and keeps `height` off the skin. Where it would fall into a nook
-/// and climb out again, as behind a collar, it goes in a bow from before the nook to beyond it; the end of the row may leave
-/// the scalp to that end.
+/// The row with a tail of `length` cm that falls from its end at `height` above the skin. Where it would fall into a
+/// nook and climb out again, as behind a collar, it bridges the nook in a bow; the end of the row may leave the scalp
+/// for that.
 pub(super) fn lengthened(points: &[Vec3], length: f32, height: f32, skin: &Skin) -> Vec<Vec3> {
     let n = points.len();
     let mut all = points.to_vec();
@@ -28,7 +28,7 @@ pub(super) fn lengthened(points: &[Vec3], length: f32, height: f32, skin: &Skin)
     for _ in 0..NOOKS {
         let Some((low, high)) = climb(&all, from.max(n - 1), height) else { break };
         let comes = all[high];
-        // Round, so that the braid can follow: it leaves on its way.
+        // Round, so that the braid can follow: it leaves in the direction of the row.
         let bow = |a: usize, t: f32| -> Vec3 {
             let leaves = all[a];
             let before = way_at(&all, a).unwrap_or(way);
@@ -58,12 +58,12 @@ pub(super) fn lengthened(points: &[Vec3], length: f32, height: f32, skin: &Skin)
     all
 }
 
-/// The most nooks that a tail goes over.
+/// The most nooks that a tail bridges.
 const NOOKS: usize = 8;
 /// How much of the end of a row may leave the scalp for that, in heights of the tail.
 const LEAVES: f32 = 7.0;
 
-/// Where a tail climbs by more than `least` from `from` on: its lowest point before and its highest after.
+/// Where a tail climbs by more than `least` after `from`: its lowest point before and its highest after.
 fn climb(tail: &[Vec3], from: usize, least: f32) -> Option<(usize, usize)> {
     let mut low = from;
     let mut high = None;
@@ -79,7 +79,8 @@ fn climb(tail: &[Vec3], from: usize, least: f32) -> Option<(usize, usize)> {
     high.map(|high| (low, high))
 }
 
-/// How a tail falls: in steps of `step` cm, `height` off the skin a few of these beyond the point `end`, up to the point `last`.
+/// How a tail falls: in steps of `step` cm, at `height` off the skin from a few steps past the point `end`, up to the
+/// point `last`.
 struct Fall {
     step: f32,
     height: f32,
@@ -88,12 +89,12 @@ struct Fall {
 }
 
 impl Fall {
-    /// Lets a tail fall that has come this way.
+    /// Continues a tail that arrived in this direction.
     fn on(&self, tail: &mut Vec<Vec3>, mut way: Vec3, skin: &Skin) {
         let Self { step, height, end, last } = *self;
         for k in tail.len()..=last {
             let p = tail[k - 1];
-            // Gravity turns what hangs within a few centimetres.
+            // Gravity turns hanging hair within a few centimetres.
             way = (way + Vec3::NEG_Y * (0.22 * step)).normalize_or(way);
             let mut next = p + way * step;
             let fallen = k.saturating_sub(end) as f32 * step;
@@ -148,7 +149,7 @@ mod tests {
         let row: Vec<Vec3> =
             (0..24).map(|k| Vec3::new(0.0, 15.0 - 0.5 * k as f32, -0.01)).collect();
         let height = 0.8;
-        // Left to itself it falls into the nook and climbs out.
+        // Without help, it falls into the nook and climbs out.
         let fall = Fall { step: 0.5, height, end: 23, last: 73 };
         let mut plain = row.clone();
         fall.on(&mut plain, Vec3::NEG_Y, &skin);
@@ -158,7 +159,7 @@ mod tests {
         assert!(tail.iter().all(|p| skin.distance(*p) > -1e-3), "{tail:?}");
         let chords = tail.windows(2).map(|w| w[0].distance(w[1]));
         assert!(chords.clone().all(|c| (0.1..1.5).contains(&c)), "{tail:?}");
-        // The row itself leaves the scalp at its end only.
+        // The row itself leaves the scalp only at its end.
         assert_eq!(tail[..10], row[..10]);
         assert!(tail[tail.len() - 1].z < -4.0, "outside the collar");
     }

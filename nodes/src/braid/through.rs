@@ -1,14 +1,16 @@
-//! One hair: from its root over the scalp into its strand, through the braid within the strand's tube, and out into the tuft.
+//! One hair: from its root over the scalp into its strand, through the braid inside the strand's tube, and out into the
+//! end tuft.
 //!
-//! The idea: a hair keeps its place in its strand's cross-section. Hair that joins comes in at the outside, and what was
-//! there before is the core: with F(u) the share of hair that has joined up to u, a hair that joined at u0 lies at
-//! sqrt(F(u0) / F(u)) of the radius. So the tube is evenly full everywhere, whatever joins where, and no hair has to make
-//! room for another. It joins the way its strand goes: one that would have to turn back slides on along the strand until it
-//! comes in forwards.
+//! The idea: a hair keeps its place in the strand's cross-section. Joining hair enters at the outside, and earlier hair
+//! forms the core: with F(u) the fraction of hair that has joined up to u, a hair that joined at u0 lies at sqrt(F(u0)
+//! / F(u)) of the radius. The tube is then evenly full everywhere, whatever joins where, and no hair has to make room
+//! for another. A hair joins in the direction of its strand: one that would have to turn back slides on along the
+//! strand until it enters forward.
 //!
-//! Guarantees: a hair begins at its root, has at most [`MOST_POINTS`], evenly spaced, and stays within its strand's tube once
-//! it has joined (flyaways and the brush apart) and out of the skin. On a parted scalp it crosses no parting before the step that
-//! leads into its strand, and what has no such way is not led, which is told. Not promised: hairs clear of each other.
+//! Guarantees: a hair begins at its root, has at most [`MOST_POINTS`], evenly spaced, and stays inside its strand's
+//! tube once it has joined (except for flyaways and the end tuft) and out of the skin. On a parted scalp it crosses no
+//! parting before the step that leads into its strand; a hair without such a path is dropped and reported. Not
+//! promised: hairs clear of each other.
 
 use super::even::{Bead, Even, chords, relax, smooth, spline_point};
 use super::tube::{Braid, Tube, place};
@@ -21,21 +23,21 @@ use glam::{Vec2, Vec3};
 
 /// The most points of a hair.
 pub(super) const MOST_POINTS: usize = 255;
-/// Points are so much farther apart than it takes for no more than that.
+/// Margin of the point spacing over the minimum that keeps to that limit.
 const SPARE: f32 = 1.12;
-/// Nearer than this (cm) points are set off the skin by the distance field, whose error is less.
+/// Points closer than this (cm) are set off the skin by the distance field, whose error is smaller.
 const CLEAR: f32 = 0.025;
-/// Points that were made even may be so near (cm) and no nearer.
+/// Evenly spaced points may be this close (cm) and no closer.
 const LEAST: f32 = 0.008;
 
-/// A step so deep (cm) under the skin goes through a thin part of it.
+/// A step this deep (cm) below the skin passes through a thin part of it.
 const THROUGH: f32 = 0.08;
-/// Rounds in which a hair is led over the edges of the skin.
+/// Rounds of leading a hair over the edges of the skin.
 const ROUNDS: usize = 4;
 
-/// How hairs go through their braid. Lengths in cm.
+/// Settings of hairs in their braid. Lengths in cm.
 pub(super) struct Manner {
-    /// Stitches in which a hair comes to its place.
+    /// Stitches over which a hair moves to its place.
     pub(super) settling: f32,
     pub(super) frizz: f32,
     pub(super) tip_variation: f32,
@@ -43,16 +45,16 @@ pub(super) struct Manner {
     pub(super) tip_frizz: f32,
     pub(super) flyaways: f32,
     pub(super) flyaway_length: f32,
-    /// Of the head.
+    /// Centimetres per head unit.
     pub(super) unit: f32,
     pub(super) dice: Dice,
 }
 
-/// What a hair asks for.
+/// Settings of one hair.
 pub(super) struct Wish {
     pub(super) id: u64,
     pub(super) fed: bool,
-    /// Share of the braid's hair that joined before it.
+    /// Fraction of the braid's hair that joined before it.
     pub(super) order: f32,
     /// Its length, cm; 0: to the end.
     pub(super) length: f32,
@@ -66,16 +68,16 @@ pub(super) struct Entry {
     pub(super) stitch: i32,
     /// Its place in the unit disc.
     pub(super) q: Vec2,
-    /// Whether it may slide along its strand. Hair of a free braid is gathered where that begins.
+    /// Whether it may slide along its strand. Hair of a free braid gathers where the braid begins.
     pub(super) slides: bool,
 }
 
-/// Leads hairs, one after the other.
+/// Traces hairs, one after another.
 pub(super) struct Leader<'a> {
     pub(super) manner: &'a Manner,
     pub(super) skin: Option<&'a Skin<'a>>,
     pub(super) scalp: Option<&'a Scalp>,
-    /// The hair that was led last.
+    /// The last traced hair.
     pub(super) beads: Vec<Bead>,
     even: Even,
     /// Its points before the skin moved them.
@@ -91,7 +93,7 @@ impl<'a> Leader<'a> {
         Self { manner, skin, scalp, beads: vec![], raw: vec![], even: Even::default() }
     }
 
-    /// Leads a hair; gives the front of the braid where it joins, or why no way leads there.
+    /// Traces a hair; returns the front of the braid where it joins, or why there is no path.
     pub(super) fn lead(
         &mut self,
         braid: &Braid,
@@ -103,7 +105,7 @@ impl<'a> Leader<'a> {
         let tube = &braid.tubes[entry.tube];
         let (t, come) = self.joins(braid, tube, way, entry, wish);
         let section = tube.section(t);
-        // As far apart on its way as in its braid, however long it is.
+        // The same spacing on the scalp as in the braid, however long the path is.
         let rest = braid.step * (tube.last() - t);
         let whole = if wish.length > 0.0 { rest.min(wish.length) } else { rest };
         let spacing = braid.spacing(section.along).max(SPARE * whole / MOST_POINTS as f32);
@@ -133,20 +135,20 @@ impl<'a> Leader<'a> {
         Ok(tube.front(t))
     }
 
-    /// The section that the way of a hair keeps to, where the scalp is parted.
+    /// The section that the path of a hair stays in, on a parted scalp.
     fn home_of(&self, way: &[Vec3]) -> Option<Home<'a>> {
         let home = self.scalp.and_then(|scalp| scalp.home(way[0]));
         home.filter(|home| home.holds(way[way.len() - 1]))
     }
 
-    /// Points of a hair on its way over the scalp. The step after them leads into its strand, which may be wider than its
-    /// section.
+    /// Number of points of a hair on its path over the scalp. The step after them leads into its strand, which may be
+    /// wider than its section.
     fn on_way(&self, joined: f32) -> usize {
         self.beads.partition_point(|bead| bead.along <= joined).saturating_sub(1)
     }
 
-    /// Whether a hair crosses a parting on its way. A step into its strand much longer than `spacing` is part of that: it is
-    /// many in a file.
+    /// Whether a hair crosses a parting on its path. A step into its strand much longer than `spacing` belongs to the
+    /// path: exported, it is many steps.
     fn crosses(&self, joined: f32, spacing: f32) -> bool {
         let Some(sections) = self.scalp.and_then(Scalp::sections) else { return false };
         let on_way = self.on_way(joined);
@@ -157,8 +159,8 @@ impl<'a> Leader<'a> {
         sections.last_passed(on_way.len(), |k| on_way[k].p).is_some()
     }
 
-    /// Whether a hair on a parted scalp goes through a thin part of the skin on its way. Where all else fails export leads such
-    /// hair round that, and knows no partings.
+    /// Whether a hair on a parted scalp passes through a thin part of the skin. As a last resort, export leads such
+    /// hair around it, without regard for partings.
     fn is_torn(&self, joined: f32) -> bool {
         let (Some(_), Some(skin)) = (self.scalp.and_then(Scalp::sections), self.skin) else {
             return false;
@@ -170,7 +172,7 @@ impl<'a> Leader<'a> {
         })
     }
 
-    /// Moves what evenness and the skin have led over a parting back.
+    /// Moves back what even spacing and the skin have led over a parting.
     fn stay_home(&mut self, way: &[Vec3], joined: f32) {
         let Some(home) = self.home_of(way) else { return };
         let on_way = self.on_way(joined);
@@ -183,8 +185,8 @@ impl<'a> Leader<'a> {
         }
     }
 
-    /// Sets a hair on the skin, evenly: out of it first, then even, over an edge not all at once; and one that an ear tears
-    /// is led round it. Before `joined` it is on its way.
+    /// Sets a hair on the skin with even spacing: first out of the skin, then evenly spaced, over an edge step by step;
+    /// a hair torn by an ear is led around it. Before `joined` it is on its path.
     fn rest(&mut self, joined: f32) {
         self.settle(joined);
         let Some(skin) = self.skin else { return };
@@ -193,7 +195,7 @@ impl<'a> Leader<'a> {
         }
     }
 
-    /// [`Self::rest`], as far as the distance field knows.
+    /// [`Self::rest`], as far as the distance field covers.
     fn settle(&mut self, joined: f32) {
         let on_way = |beads: &[Bead]| beads.partition_point(|bead| bead.along <= joined);
         self.raw.clear();
@@ -223,7 +225,7 @@ impl<'a> Leader<'a> {
         }
     }
 
-    /// Lifts what may be nearer to the skin than `height`; tells whether anything was.
+    /// Lifts points that may be closer to the skin than `height`; returns whether any was lifted.
     fn lift(&mut self, height: f32) -> bool {
         let Some(skin) = self.skin else { return false };
         let mut moved = false;
@@ -235,8 +237,8 @@ impl<'a> Leader<'a> {
         moved
     }
 
-    /// Where a hair comes in, as a step number, and at which place of the unit disc: on the side that it comes from, and
-    /// forwards.
+    /// Where a hair enters, as a step number, and its place in the unit disc: from the side that it comes from, and
+    /// forward.
     fn joins(
         &self,
         braid: &Braid,
@@ -245,16 +247,16 @@ impl<'a> Leader<'a> {
         entry: &Entry,
         wish: &Wish,
     ) -> (f32, Vec2) {
-        /// Places tried for one stitch, and stitches.
+        /// Positions tried per stitch, and number of stitches.
         const TRIED: (f32, f32) = (8.0, 3.0);
-        /// Ways shorter than this slide, cm on a head of average size.
+        /// Paths shorter than this slide, cm on a head of average size.
         const TURN: f32 = 3.0;
         /// Cosine of the largest angle between hair and strand.
         const FORWARDS: f32 = 0.7;
         if wish.fed {
             return (entry.t, entry.q * 0.4);
         }
-        // From afar there is room to turn.
+        // From far away there is room to turn.
         let short = way[0].distance(way[way.len() - 1]) < TURN * self.manner.unit;
         let slides = if short && entry.slides { TRIED.0 * TRIED.1 } else { 0.0 };
         let last = (tube.tie - braid.per_stitch).max(entry.t);
@@ -264,7 +266,7 @@ impl<'a> Leader<'a> {
         for k in 0..=slides as usize {
             let t = (entry.t + k as f32 * braid.per_stitch / TRIED.0).min(last);
             let section = tube.section(t);
-            // Beyond a parting that its strand crosses it would have to cross that first.
+            // If its strand crosses a parting, the hair would have to cross it first.
             if k > 0 && home.is_some_and(|home| !home.holds(section.centre)) {
                 break;
             }
@@ -287,12 +289,12 @@ impl<'a> Leader<'a> {
                 break;
             }
         }
-        // Behind the end of a row nothing leads forwards: round it, as the way goes.
+        // Behind the end of a row nothing leads forward: around it, in the direction of the path.
         first.unwrap_or(found)
     }
 
-    /// The hair in its strand from the step `t` on, where it comes in at `come` to work its way to `q`; `reached` is how far
-    /// it has come and the spacing of its points.
+    /// The hair in its strand from step `t` on, entering at `come` and moving to `q`; `reached` is its length so far
+    /// and the spacing of its points.
     fn braided(
         &mut self,
         braid: &Braid,
@@ -301,15 +303,15 @@ impl<'a> Leader<'a> {
         wish: &Wish,
         reached: (f32, f32),
     ) {
-        /// The last step may be so much longer than it was meant to be.
+        /// The last step may be this much longer than planned.
         const LONGER: f32 = 1.1;
-        /// Steps become so much longer or shorter from one to the next.
+        /// Largest relative change of length from one step to the next.
         const SLOWLY: f32 = 0.15;
         let manner = self.manner;
         let beads = &mut self.beads;
-        // How far it goes: to its own end, or through the brush.
+        // How far it goes: to its own end, or through the end tuft.
         let brush = braid.brush.len() as f32;
-        // Most end early and few reach the end, so that a brush of any thickness thins out to nothing.
+        // Most end early and few reach the end, so that an end tuft of any thickness thins out to nothing.
         let drawn = [3, 30, 31].map(|salt| manner.dice.unit(wish.id, salt));
         let shorter = manner.tip_variation * drawn.into_iter().fold(0.0, f32::max);
         let until = if brush > 0.0 {
@@ -325,8 +327,8 @@ impl<'a> Leader<'a> {
         if let Some((_, end)) = leaves {
             until = end;
         }
-        // Even steps of the hair, not of its strand: on the inside of a bend it is shorter. They begin with what the way
-        // over the scalp had.
+        // Even steps of the hair, not of its strand: on the inside of a bend it is shorter. They begin with the spacing
+        // of the path over the scalp.
         let room = (MOST_POINTS - beads.len().min(MOST_POINTS - 3) - 1) as f32;
         let fine = braid.spacing(tube.section(from).along);
         let spacing = fine.max(SPARE * (until - from) * braid.step / room);
@@ -341,7 +343,7 @@ impl<'a> Leader<'a> {
             let mut size = share(wish, section.joined);
             let mut here = come + (q - come) * smooth((t - from) / settle);
             if let Some((start, end)) = leaves {
-                // What stands off comes from the surface.
+                // Flyaways come from the surface.
                 size += (0.97 - size).max(0.0) * smooth(1.0 + (t - start) / settle);
                 if t >= start && t > from {
                     let parted =
@@ -387,12 +389,12 @@ impl<'a> Leader<'a> {
             if t >= until {
                 break;
             }
-            // So that it ends with a whole one.
+            // So that it ends with a whole step.
             let rest = wish.length - gone;
             let wanted =
                 if rest > 0.0 { rest / (rest / spacing).round().max(1.0) } else { spacing };
             last += (wanted - last).clamp(-SLOWLY * last, SLOWLY * last);
-            // The pace half a step on.
+            // The pace half a step ahead.
             let guess = last / braid.step;
             let pace = if t + guess > tube.tie && brush > 0.0 {
                 braid.step
@@ -403,8 +405,8 @@ impl<'a> Leader<'a> {
         }
     }
 
-    /// Beads of the way over the scalp, its end bent to `end` and the direction `along` there, without that end; gives
-    /// its length and the spacing of its points.
+    /// Beads of the path over the scalp, bent to end at `end` in the direction `along`, without that end; returns its
+    /// length and the spacing of its points.
     fn comb(&mut self, way: &[Vec3], end: Vec3, along: Vec3, spacing: f32) -> (f32, f32) {
         const SAMPLES: usize = 16;
         let n = way.len();
@@ -415,7 +417,7 @@ impl<'a> Leader<'a> {
         };
         let root = way[0];
         let (chord, aside) = (end - root, end - way[n - 1]);
-        // The farther the end is from that of the way, the less the way says.
+        // The farther the end is from that of the path, the less the path counts.
         let astray = smooth(1.6 * aside.length() / chord.length().max(1e-6) - 0.4);
         let combed = |s: f32| {
             let bent = on_way(s) + aside * smooth(s);
@@ -423,7 +425,7 @@ impl<'a> Leader<'a> {
         };
         let arriving = (end - combed(0.94)) / 0.06;
         let turn = along * (0.8 * chord.length()) - arriving;
-        // Bent to its strand it still keeps to the section that its way keeps to.
+        // Bent to its strand, it still stays in the section of its path.
         let home = self.home_of(way);
         let mut near = 0;
         let mut fine = [Vec3::ZERO; SAMPLES + 1];
@@ -460,7 +462,7 @@ impl<'a> Leader<'a> {
 }
 
 impl Manner {
-    /// Where a flyaway leaves its braid and where it ends (step numbers); none for most hairs.
+    /// Where a flyaway leaves its braid and where it ends (step numbers); `None` for most hairs.
     fn leaves(&self, braid: &Braid, id: u64, from: f32, until: f32) -> Option<(f32, f32)> {
         if self.dice.unit(id, 4) >= self.flyaways {
             return None;
@@ -471,17 +473,18 @@ impl Manner {
     }
 }
 
-/// How far out in its strand a hair lies where so much has `joined`, as a fraction of the radius.
+/// Distance from the centre of the strand where this much has `joined`, as a fraction of the radius.
 #[inline]
 fn share(wish: &Wish, joined: f32) -> f32 {
     (wish.order / joined.max(1e-4)).sqrt().min(1.0)
 }
 
-/// `p` or the point above it that is at least `height` over the skin; and whether [`Skin::push_out`] is known to leave it there.
+/// `p`, or the point above it that is at least `height` above the skin; and whether [`Skin::push_out`] is known to
+/// leave it there.
 #[inline]
 fn over(skin: &Skin, p: Vec3, height: f32) -> (Vec3, bool) {
     match skin.roughly(p) {
-        // So deep, the field's way out is not good enough.
+        // This deep, the field's direction out is not accurate enough.
         Some((d, _, doubt)) if d < -0.05 || (doubt > 0.05 && d - doubt < height) => {
             (skin.lift(p, height).0, false)
         }

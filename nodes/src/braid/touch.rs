@@ -1,47 +1,47 @@
-//! How thick the strands of a braid can be: radii at which neighbouring tubes touch and never overlap.
+//! How thick the strands of a braid can be: radii at which adjacent tubes touch and never overlap.
 //!
-//! The idea: the radius of a strand at a place is half the distance from there to the nearest place of any
-//! other strand. Two tubes then cannot overlap, for each takes at most half of what is between them, and
-//! where two strands are each other's nearest they touch. Distances are those of the placed, bent
-//! splines, in space: strands slope, so they come closer than in the cross-section.
+//! The idea: the radius of a strand at a point is half the distance from there to the nearest point of any other
+//! strand. Two tubes then cannot overlap, since each takes at most half of the space between them, and where two
+//! strands are each other's nearest, they touch. Distances are those of the placed, bent splines in space: strands are
+//! sloped, so they come closer than in the cross-section.
 //!
-//! Guarantees: `r_i(u) + r_j(v) <= 1.02 |p_i(u) - p_j(v)|` on the splines, radii interpolated between CVs (tested by the
-//! node); a radius is never more than 0.9 of the strand's own radius of curvature. The raw distance has
-//! kinks where the nearest neighbour changes; what is returned is a smooth function below it.
+//! Guarantees: `r_i(u) + r_j(v) <= 1.02 |p_i(u) - p_j(v)|` on the splines, with radii interpolated between CVs (tested
+//! by the node); a radius is at most 0.9 of the strand's own radius of curvature. The raw distance has kinks where the
+//! nearest neighbour changes; the result is a smooth function below it.
 
 use crate::define::NodeError;
 use crate::eval::Piece;
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 
-/// A strand's centre line: its spline, and for each CV the arc length along the braid's source and the most that
-/// the braid's outline lets its radius be.
+/// A strand's centre line: its spline and, for each CV, the arc length along the braid's source and the largest radius
+/// that the braid's outline allows.
 pub(crate) struct Line {
     pub(crate) spline: Spline,
     pub(crate) s: Vec<f32>,
     pub(crate) room: Vec<f32>,
 }
 
-/// The most of its own radius of curvature that a tube may take: at 1 its inner side would crease.
+/// Largest fraction of its own radius of curvature that a tube may have: at 1 its inner side would crease.
 pub(crate) const OF_CURVATURE: f32 = 0.9;
 
-/// Part of the room between two strands that their tubes fill: the rest covers what lies between samples,
-/// which in the densest weaves is up to 3 % nearer.
+/// Fraction of the space between two strands that their tubes fill: the rest covers the curve between samples, which in
+/// the densest weaves is up to 3 % closer.
 const FILLED: f32 = 0.98;
 
-/// How much wider the room may be at the sample beside the one that is nearest to another strand: what radii are too large
-/// half way between is what [`FILLED`] leaves.
+/// How much larger the space may be at the sample next to the one nearest to another strand: [`FILLED`] leaves room for
+/// the excess of radii halfway in between.
 const BESIDE: f32 = 1.04;
 
-/// Points of a strand at its CVs and at places between, as columns, and the boxes that hold [`BLOCK`] of them each, up
-/// to the first of the next.
+/// Points of a strand at its CVs and in between, as columns, and bounding boxes of [`BLOCK`] of them each, up to the
+/// first of the next block.
 struct Fine {
     at: [Vec<f32>; 3],
     s: Vec<f32>,
     boxes: Vec<(Vec3, Vec3)>,
 }
 
-/// Samples that are skipped together where their box tells that they are too far away.
+/// Samples that are skipped together if their box is too far away.
 const BLOCK: usize = 16;
 
 impl Fine {
@@ -77,7 +77,7 @@ impl Fine {
     fn point(&self, k: usize) -> Vec3 {
         Vec3::new(self.at[0][k], self.at[1][k], self.at[2][k])
     }
-    /// Square of the distance of `p` from a sample.
+    /// Squared distance of `p` from a sample.
     fn square(&self, p: Vec3, k: usize) -> f32 {
         let (x, y, z) = (self.at[0][k] - p.x, self.at[1][k] - p.y, self.at[2][k] - p.z);
         x * x + y * y + z * z
@@ -86,19 +86,19 @@ impl Fine {
     fn chords(&self, k: usize) -> impl Iterator<Item = [Vec3; 2]> {
         (k.max(1)..(k + 2).min(self.len())).map(|k| [self.point(k - 1), self.point(k)])
     }
-    /// How far the strand bulges over its chords about a sample.
+    /// How far the strand bulges beyond its chords at a sample.
     fn sagitta(&self, k: usize) -> f32 {
         let k = k.clamp(1, self.len() - 2);
         (self.point(k - 1) + self.point(k + 1) - self.point(k) * 2.0).length() * 0.125
     }
-    /// Square of the least distance of `p` from this strand between the samples `from` and `to`, where it may be less than
-    /// `bound`; anything above that elsewhere. Gives the sample as well.
+    /// Squared smallest distance of `p` from this strand between the samples `from` and `to`, if it may be below
+    /// `bound`; otherwise anything above that. Also returns the sample.
     fn nearest2(&self, p: Vec3, from: usize, to: usize, bound: f32) -> (f32, usize) {
         let (mut best, mut at) = (f32::MAX, from);
         for block in from / BLOCK..=(to - 1) / BLOCK {
             let (low, high) = self.boxes[block];
             let beside = (low - p).max(p - high).max(Vec3::ZERO);
-            // What lies between samples takes at most half of a square; the rest is for rounding.
+            // The curve between samples takes at most half of the square; the rest is for rounding.
             if 0.499 * beside.length_squared() > bound {
                 continue;
             }
@@ -126,9 +126,9 @@ impl Fine {
     }
 }
 
-/// Squares of distances along a strand have the shape of a parabola near a minimum, exactly so for straight strands: what
-/// it is at its lowest between three samples, or the middle one where that is not the least. None where it is less than
-/// half of the sample: strands that close to each other, for how far apart samples are, have to be looked at.
+/// Squared distances along a strand are parabolic near a minimum, exactly so for straight strands: the minimum between
+/// three samples, or the middle value if that is not the smallest. `None` if it is below half of the sample: strands
+/// that close, relative to the sample spacing, must be examined.
 fn lowest(before: f32, here: f32, after: f32) -> Option<f32> {
     let bend = before + after - 2.0 * here;
     if before < here || after < here || bend <= 0.0 {
@@ -139,26 +139,26 @@ fn lowest(before: f32, here: f32, after: f32) -> Option<f32> {
     (low >= 0.5 * here).then_some(low)
 }
 
-/// Square of what is left of a distance between chords where strands bulge over them, at least half of the distance.
+/// Square of the remaining distance between chords where strands bulge beyond them, at least half of the distance.
 fn bulged(square: f32, sagitta: f32) -> f32 {
     let distance = square.sqrt();
     let left = (distance - sagitta).max(0.5 * distance);
     left * left
 }
 
-/// Square of the distance of `p` from a chord.
+/// Squared distance of `p` from a chord.
 fn beside(p: Vec3, [a, b]: [Vec3; 2]) -> f32 {
     let along = b - a;
     let t = (p - a).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
     p.distance_squared(a + along * t.clamp(0.0, 1.0))
 }
 
-/// Square of the least distance of two chords.
+/// Squared smallest distance of two chords.
 fn apart(one: [Vec3; 2], other: [Vec3; 2]) -> f32 {
     let (u, v, w) = (one[1] - one[0], other[1] - other[0], one[0] - other[0]);
     let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
     let across = uu * vv - uv * uv;
-    // Where they cross within both; else an end of one is nearest.
+    // Where they cross within both; otherwise an end of one is nearest.
     let s = (uv * v.dot(w) - vv * u.dot(w)) / across;
     let t = (uu * v.dot(w) - uv * u.dot(w)) / across;
     if across > 1e-6 * uu * vv && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
@@ -173,7 +173,7 @@ fn apart(one: [Vec3; 2], other: [Vec3; 2]) -> f32 {
     ends.into_iter().fold(f32::MAX, f32::min)
 }
 
-/// The least of a block.
+/// The minimum of a block.
 fn least(values: &[f32; BLOCK]) -> f32 {
     let mut lanes = [f32::MAX; 8];
     for chunk in values.chunks_exact(8) {
@@ -184,7 +184,7 @@ fn least(values: &[f32; BLOCK]) -> f32 {
     lanes.iter().fold(f32::MAX, |least, value| least.min(*value))
 }
 
-/// Square of the least distance between what lies about sample `k` of a strand and what is nearest to it.
+/// Squared smallest distance between the neighbourhood of sample `k` of a strand and what is nearest to it.
 fn least_about<'f>(
     own: &Fine,
     k: usize,
@@ -202,14 +202,14 @@ fn least_about<'f>(
     })
 }
 
-/// Where to look for neighbours.
+/// Search range for neighbours.
 #[derive(Clone, Copy)]
 pub(crate) struct Near {
-    /// How far along the source (cm) another strand's nearest place can be.
+    /// How far along the source (cm) another strand's nearest point can be.
     pub(crate) window: f32,
-    /// CVs of a stitch.
+    /// CVs per stitch.
     pub(crate) stitch: f32,
-    /// CVs of one time up and down.
+    /// CVs per oscillation.
     pub(crate) wave: f32,
 }
 
@@ -224,10 +224,10 @@ pub(crate) fn touching_radii(
     let round = (per_span as f32 * ROUND * stitch).round().max(1.0) as usize;
     let mut out = vec![];
     for (i, own) in fine.iter().enumerate() {
-        // For each strand the range of its samples that lie within the window.
+        // For each strand, the range of its samples inside the window.
         let mut ranges = vec![(0, 1); fine.len()];
         let mut nearest2 = Vec::with_capacity(own.len());
-        // The strand and the sample that are nearest to each; they are likely so to the next as well.
+        // The nearest strand and sample of each sample; they are likely the nearest of the next one as well.
         let mut whose: Vec<Option<(usize, usize)>> = Vec::with_capacity(own.len());
         for (k, s) in own.s.iter().enumerate() {
             piece.tick()?;
@@ -260,7 +260,7 @@ pub(crate) fn touching_radii(
         let mut gaps: Vec<f32> = (0..own.len())
             .map(|k| least_about(own, k, &nearest2, |k| whose[k].map(|(j, at)| (&fine[j], at))))
             .collect();
-        // Strands that are nearest between two samples are so for both: radii are straight between CVs.
+        // Strands that are nearest between two samples count for both: radii are linear between CVs.
         for k in 1..own.len() - 1 {
             let (before, here, after) = (nearest2[k - 1], nearest2[k], nearest2[k + 1]);
             if here <= before && here <= after {
@@ -290,19 +290,19 @@ fn turn_radius(fine: &Fine, k: usize) -> f32 {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     let twice_area = ab.cross(bc).length();
     let product = ab.length() * bc.length() * ca.length();
-    // Below this the bend is rounding.
+    // Below this, the bend is rounding.
     if twice_area <= 1e-5 * ca.length_squared() { f32::MAX } else { 0.5 * product / twice_area }
 }
 
-/// Samples in one time up and down: with fewer the radius between CVs can be several per cent too large
-/// where tubes are shaped like beads.
+/// Samples per oscillation: with fewer, the radius between CVs can be several percent too large where tubes are shaped
+/// like beads.
 const SAMPLES: f32 = 32.0;
 
-/// Kinks are rounded over this part of a stitch to either side: half of it leaves visible creases on the
-/// tubes, twice of it takes a tenth of their volume.
+/// Kinks are rounded over this fraction of a stitch to each side: half of it leaves visible creases on the tubes, twice
+/// of it takes a tenth of their volume.
 const ROUND: f32 = 1.0 / 12.0;
 
-/// The smaller of two lengths, without a kink where they are equal: there it is 4 % smaller than both.
+/// Smooth minimum of two lengths: where they are equal, it is 4 % smaller than both.
 fn smooth_min(a: f32, b: f32) -> f32 {
     let reach = 0.16 * a.min(b).max(0.0);
     let near = (reach - (a - b).abs()).max(0.0);
@@ -310,7 +310,7 @@ fn smooth_min(a: f32, b: f32) -> f32 {
     if reach > 0.0 { least - near * near / (4.0 * reach) } else { least }
 }
 
-/// Lowers radii at CVs so that straight lines between them are below `raw` at every sample.
+/// Lowers radii at CVs so that linear interpolation between them stays below `raw` at every sample.
 fn keep_below_between(radii: &mut [f32], raw: &[f32], per_span: usize) {
     let mut factors = vec![1.0f32; radii.len()];
     for span in 0..radii.len() - 1 {
@@ -325,8 +325,8 @@ fn keep_below_between(radii: &mut [f32], raw: &[f32], per_span: usize) {
     radii.iter_mut().zip(factors).for_each(|(radius, factor)| *radius *= factor);
 }
 
-/// The values at CVs of a function that is smooth and nowhere above `raw`: the least of each neighbourhood, averaged
-/// over neighbourhoods of the same size (an opening, so valleys keep their depth).
+/// The values at CVs of a smooth function that is nowhere above `raw`: the minimum of each neighbourhood, averaged over
+/// neighbourhoods of the same size (an opening, so valleys keep their depth).
 fn smooth_below(raw: &[f32], round: usize, per_span: usize) -> Vec<f32> {
     let n = raw.len();
     let low: Vec<f32> = (0..n)
@@ -338,7 +338,7 @@ fn smooth_below(raw: &[f32], round: usize, per_span: usize) -> Vec<f32> {
     (0..n)
         .step_by(per_span)
         .map(|k| {
-            // A triangle: the average of averages. Weights of what lies past an end go to the end.
+            // A triangle filter: the average of averages. Weights past an end go to the end.
             let (mut sum, mut weights) = (0.0, 0.0);
             for step in -(round as isize)..=round as isize {
                 let weight = (round as isize + 1 - step.abs()) as f32;

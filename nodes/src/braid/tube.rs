@@ -1,5 +1,5 @@
-//! A braid as its hair sees it: for each strand the cross-sections at fine even steps, the stitches, and the brush beyond
-//! the tie. Worked out once for each braid, so that a hair's point is one look-up and a few multiplications.
+//! A braid as its hair uses it: for each strand the cross-sections at fine even steps, the stitches, and the end tuft.
+//! Computed once per braid, so that a point of a hair costs one lookup and a few multiplications.
 
 use super::band::{Band, Waist};
 use super::braid_territory::JOINED;
@@ -12,33 +12,34 @@ use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
 use glam::{Vec2, Vec3};
 
-/// What is asked of the tubes. Lengths in cm.
+/// Settings of the tubes. Lengths in cm.
 pub(super) struct Asked<'a> {
     pub(super) per_stitch: f32,
     /// Factor of the strands' radius.
     pub(super) fill: &'a Sampler<'a>,
-    /// How much wider than high the strands are.
+    /// Extra width of the strands over their height.
     pub(super) broad: f32,
-    /// Radians a cm.
+    /// Radians per cm.
     pub(super) twist: f32,
-    /// How much thicker the braid is in a root knot than behind it, and how long the knot is; none without one.
+    /// Extra thickness of the braid in a root knot, and the knot's length; `None` without one.
     pub(super) knot: Option<(f32, f32)>,
-    /// What ties the braid.
+    /// The band that ties the braid.
     pub(super) band: Option<Band>,
     pub(super) skin: Option<&'a Skin<'a>>,
 }
 
-/// Steps of the table between two points of a hair: linear between them they are good to a fiftieth of a hair's width.
+/// Table steps between two points of a hair: with linear interpolation, they are accurate to a fiftieth of a hair's
+/// width.
 pub(super) const FINE: f32 = 4.0;
-/// The share of the inside of a bend that hair may fill.
+/// Fraction of the inside of a bend that hair may fill.
 const INSIDE: f32 = 0.8;
-/// Hair that keeps so far (cm) from the skin need not be kept out of it.
+/// Hair farther than this (cm) from the skin need not be kept out of it.
 const NEAR: f32 = 0.05;
-/// Stitches that tell how short they are at a place.
+/// Number of stitches that determine the local stitch length.
 const OF_STITCHES: usize = 4;
-/// The least share of the usual spacing.
+/// Smallest fraction of the usual spacing.
 const FINEST: f32 = 0.35;
-/// Steps of the shortest tuft.
+/// Steps of the shortest end tuft.
 const LEAST_TUFT: f32 = 6.0;
 /// The most steps of one strand's table.
 const MOST: f32 = 8192.0;
@@ -50,10 +51,10 @@ pub(super) struct Section {
     /// Half axes: to the braid's right, and away from its back.
     pub(super) x: Vec3,
     pub(super) y: Vec3,
-    /// How much the strand bends towards each axis within its length: 1 is about its end.
+    /// Curvature of the strand toward each axis, relative to the axis: 1 bends about the axis's end.
     bend: Vec2,
     pub(super) along: f32,
-    /// Share of the braid's hair that has joined.
+    /// Fraction of the braid's hair that has joined.
     pub(super) joined: f32,
 }
 
@@ -83,7 +84,7 @@ pub(super) struct Tube {
 }
 
 impl Tube {
-    /// The cross-section at a step number; clamped to the strand.
+    /// The cross-section at a step number, clamped to the strand.
     #[inline]
     pub(super) fn section(&self, t: f32) -> Section {
         let t = t.clamp(0.0, (self.at.len() - 1) as f32);
@@ -113,7 +114,7 @@ impl Tube {
         let t = if span > 0.0 { (along - self.at[k].along) / span } else { 0.0 };
         k as f32 + t.clamp(0.0, 1.0)
     }
-    /// How far the place `q` of the cross-section is moved by one step, cm.
+    /// How far one step moves the place `q` of the cross-section, cm.
     #[inline]
     pub(super) fn pace(&self, t: f32, q: Vec2) -> f32 {
         let k = (t.max(0.0) as usize).min(self.at.len() - 2);
@@ -124,7 +125,7 @@ impl Tube {
     }
 }
 
-/// A place where hair is picked up.
+/// A point where hair is picked up.
 #[derive(Clone, Copy)]
 pub(super) struct Stitch {
     pub(super) along: f32,
@@ -140,36 +141,36 @@ pub(super) struct Bristles {
     /// Unit.
     pub(super) x: Vec3,
     pub(super) y: Vec3,
-    /// Its size as a fraction of that in the tie.
+    /// Its size as a fraction of that at the tie.
     pub(super) size: f32,
 }
 
 /// A braid ready to be filled.
 pub(super) struct Braid {
     pub(super) id: u64,
-    /// Where along the source it is tied.
+    /// Position of the tie along the source.
     pub(super) tied: f32,
     pub(super) tubes: Vec<Tube>,
     pub(super) stitches: Vec<Stitch>,
-    /// One a step from the tie on; empty where the braid has no tuft.
+    /// One per step from the tie on; empty if the braid has no end tuft.
     pub(super) brush: Vec<Bristles>,
-    /// Its middle in the band that ties it; none without one.
+    /// Its centre line at the band that ties it; `None` without one.
     pub(super) waist: Option<Waist>,
     /// cm.
     pub(super) step: f32,
-    /// Steps of a strand for one stitch.
+    /// Steps of a strand per stitch.
     pub(super) per_stitch: f32,
 }
 
 impl Braid {
-    /// The braid of these strands (one tuft); none where they are no curves.
+    /// The braid of these strands (one tuft); `None` if they are not curves.
     pub(super) fn new(strands: &Tuft, mut stitches: Vec<Stitch>, asked: &Asked) -> Option<Self> {
         stitches.sort_by(|a, b| a.along.total_cmp(&b.along).then(a.number.cmp(&b.number)));
         let splines: Vec<Spline> = (0..strands.len())
             .map(|i| Spline::new(strands.curve(i)).ok())
             .collect::<Option<_>>()?;
         let first = splines.first()?;
-        // Where the tie is: half a stitch behind the last one.
+        // The tie is half a stitch behind the last one.
         let most = stitches.iter().fold(0.0f32, |most, s| most.max(s.along));
         let count = (stitches.len() / 2).max(1) as f32;
         let tie_along =
@@ -211,12 +212,12 @@ impl Braid {
         Some(braid)
     }
 
-    /// Steps of the tuft.
+    /// Steps of the end tuft.
     fn tuft(&self) -> f32 {
         self.tubes.iter().map(|t| t.last() - t.tie).fold(f32::MAX, f32::min)
     }
 
-    /// Draws the strands together in a band behind the tie, and what lies beside it less and less.
+    /// Draws the strands together in a band behind the tie, with decreasing effect on both sides.
     fn tie_up(&mut self, band: &Band, skin: Option<&Skin>) {
         let waist = band.waist(&self.tubes, self.step);
         for tube in &mut self.tubes {
@@ -261,7 +262,7 @@ impl Braid {
             let thick = thick * grown;
             let (sin, cos) = sin_cos(asked.twist * s);
             let front = y;
-            // Broad in the braid, whatever its own twist: soft strands give way to each other.
+            // Wide in the braid, whatever its own twist: soft strands give way to each other.
             let (x, y) =
                 (x * (thick * (1.0 + asked.broad)), y * (thick * (1.0 - 0.3 * asked.broad)));
             let reach = x.length().max(y.length()) + NEAR;
@@ -311,7 +312,8 @@ impl Braid {
             })
             .collect()
     }
-    /// How far (cm) the hair of the strands reaches from the braid's middle so many steps beyond the tie, in a direction (unit).
+    /// How far (cm) the hair of the strands reaches from the braid's centre this many steps beyond the tie, in a unit
+    /// direction.
     pub(super) fn reach(&self, middle: Vec3, beyond: f32, out: Vec3) -> f32 {
         let reach = |tube: &Tube| {
             let section = tube.section(tube.tie + beyond);
@@ -320,7 +322,7 @@ impl Braid {
         };
         self.tubes.iter().map(reach).fold(0.0, f32::max)
     }
-    /// The bristles so many steps beyond the tie; straight on past their end.
+    /// The bristles this many steps beyond the tie; straight on past their end.
     #[inline]
     pub(super) fn bristle(&self, beyond: f32) -> Bristles {
         let last = self.brush.len() - 1;
@@ -334,8 +336,8 @@ impl Braid {
             size: a.size + (b.size - a.size) * f,
         }
     }
-    /// Distance (cm) between points of a hair that comes in at a place: where stitches are short it needs more, and keeps them, for
-    /// its points are even.
+    /// Spacing (cm) of the points of a hair that enters at a position: where stitches are short it needs more, and
+    /// keeps them, since its points are even.
     pub(super) fn spacing(&self, along: f32) -> f32 {
         let n = self.stitches.len();
         let even = FINE * self.step;
@@ -346,11 +348,11 @@ impl Braid {
         let from = self.stitches.partition_point(|s| s.along < along).min(n - OF_STITCHES);
         let here = (self.stitches[from + OF_STITCHES - 1].along - self.stitches[from].along)
             / (OF_STITCHES - 1) as f32;
-        // Stitches of a file may be anywhere.
+        // Stitches from a file may be anywhere.
         let share = here / mean.max(1e-9);
         if share.is_finite() { even * share.clamp(FINEST, 1.0) } else { even }
     }
-    /// The stitch nearest to a place on a side.
+    /// The stitch nearest to a position on a side.
     pub(super) fn stitch(&self, along: f32, side: i32) -> Option<&Stitch> {
         let far = |s: &&Stitch| (s.along - along).abs();
         let on_side = self.stitches.iter().filter(|s| s.side == side || side == 0);
@@ -359,7 +361,7 @@ impl Braid {
     pub(super) fn tube_of(&self, strand: i32) -> Option<usize> {
         self.tubes.iter().position(|tube| tube.strand == strand)
     }
-    /// The strand for hair that comes to the root of the braid from `p`: those from one side go into the strand of that
+    /// The strand for hair that reaches the root of the braid from `p`: hair from one side goes into the strand of that
     /// side.
     pub(super) fn first_strand(&self, p: Vec3) -> usize {
         let n = self.tubes.len();
@@ -384,7 +386,7 @@ impl Braid {
     }
 }
 
-/// Works out how much a strand bends at each section, over the distance of two points of a hair.
+/// Computes the curvature of a strand at each section, over the spacing of two points of a hair.
 fn bend(at: &mut [Section], step: f32) {
     let h = FINE as usize;
     for k in h..at.len().saturating_sub(h) {
@@ -394,8 +396,8 @@ fn bend(at: &mut [Section], step: f32) {
     }
 }
 
-/// A place in a cross-section. On the inside of a bend hair is pressed together, so that none comes to lie beyond the
-/// middle of the bend, where it would run backwards.
+/// A place in a cross-section. On the inside of a bend, hair is compressed so that none lies beyond the centre of the
+/// bend, where it would run backward.
 #[inline]
 pub(super) fn place(section: &Section, q: Vec2) -> Vec3 {
     let inward = section.bend.dot(q).max(0.0) * (1.0 / INSIDE);
@@ -403,32 +405,33 @@ pub(super) fn place(section: &Section, q: Vec2) -> Vec3 {
     section.centre + section.x * q.x + section.y * q.y
 }
 
-/// How the strands of a braid are cut into sections.
+/// How the strands of a braid are divided into sections.
 #[derive(Clone, Copy)]
 struct Cut<'a> {
     spline: &'a Spline,
     step: f32,
-    /// Where along the source the tie is.
+    /// Position of the tie along the source.
     tie: f32,
     knot: Option<&'a Knot>,
 }
 
-/// A root knot: where strands are still gathered the braid is as wide as behind the knot and so much wider as was asked.
+/// A root knot: where strands are still gathered, the braid is as wide as behind the knot plus the requested extra
+/// width.
 struct Knot {
-    /// The braid's middle at each step of the knot, and how much what is about it grows.
+    /// The braid's centre at each step of the knot, and the growth around it.
     at: Vec<(Vec3, f32)>,
 }
 
-/// A bundle grows to no more than so many times its width.
+/// Largest growth of a bundle.
 const MOST_GROWN: f32 = 20.0;
 
 impl Knot {
     fn new(strands: &Tuft, splines: &[Spline], step: f32, (size, length): (f32, f32)) -> Self {
-        // A knot as long as a short braid is all of it.
+        // A knot as long as a short braid covers all of it.
         let length = splines.iter().fold(length, |least, spline| least.min(spline.length()));
         let steps = ((length / step).ceil() as usize).max(1);
         let radius = strands.view(attr::RADIUS);
-        // The middle of the strands so far along them, and how far the outermost reaches from it.
+        // The centre of the strands at this distance along them, and how far the outermost reaches from it.
         let outline = |k: usize| {
             let place =
                 |spline: &Spline| spline.locate_length((k as f32 * step).min(spline.length()));
@@ -440,7 +443,7 @@ impl Knot {
             });
             (middle, reach.fold(0.0, f32::max))
         };
-        // Its stitches stand out over what it is on the mean.
+        // Stitches stand out from the mean width.
         let behind = (steps..=2 * steps).map(|k| outline(k).1).sum::<f32>() / (steps + 1) as f32;
         let wanted = behind * (1.0 + size);
         let at = (0..steps).map(|k| {
@@ -451,7 +454,7 @@ impl Knot {
         Self { at: at.collect() }
     }
 
-    /// Where a strand's middle lies in the knot, and how much thicker it is there.
+    /// Position of a strand's centre in the knot, and its extra thickness there.
     fn moved(&self, k: usize, p: Vec3) -> (Vec3, f32) {
         let (middle, grown) = self.at.get(k).copied().unwrap_or((p, 1.0));
         (middle + (p - middle) * grown, grown)

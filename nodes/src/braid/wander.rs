@@ -1,4 +1,4 @@
-//! What hairs of a braid do of their own: wander within their strand, and leave it as flyaways.
+//! Random deviation of hairs in a braid: wandering inside their strand, and leaving it as flyaways.
 
 use super::even::smooth;
 use super::through::Manner;
@@ -33,7 +33,7 @@ impl Parted {
     }
 }
 
-/// A hair's own slow wandering in the cross-section.
+/// A hair's slow wandering in the cross-section.
 pub(super) struct Wander {
     dice: Dice,
     id: u64,
@@ -45,7 +45,7 @@ pub(super) struct Wander {
     loose: Vec2,
 }
 
-/// cm between two turns of the wandering.
+/// Wavelength of the wandering, cm.
 const WANDER: f32 = 0.9;
 
 impl Wander {
@@ -84,7 +84,7 @@ impl Wander {
         }
         self.from + (self.to - self.from) * smooth(x - knot as f32)
     }
-    /// A direction that it keeps.
+    /// A direction that stays constant.
     pub(super) fn loose(&self) -> Vec2 {
         self.loose
     }

@@ -1,10 +1,9 @@
-//! The weave: where the strands of a braid stand in its cross-section, and how large the braid then is.
+//! The weave: positions of a braid's strands in its cross-section, and the resulting size of the braid.
 //!
-//! The idea (methods.md 2): all strands share one closed path across the braid, `x = A sin(c)`,
-//! `y = B sin(m c + psi)`, strand i of N walking it i/N of a cycle ahead, with gcd(m, N) = 1.
-//! m = 1 is a rope, m = 2 the classic braid, m = N - 1 a plain weave. The formula of the Lightyear
-//! talk (section 2.1), which is this weave at N = 3, is offered beside it; for N > 3 its strands pass
-//! through one another.
+//! The idea (methods.md 2): all strands share one closed path across the braid, `x = A sin(c)`, `y = B sin(m c + psi)`,
+//! with strand i of N walking it i/N of a cycle ahead, and gcd(m, N) = 1. m = 1 is a rope, m = 2 the classic braid, m =
+//! N - 1 a plain weave. The formula of the Lightyear talk (section 2.1), which is this weave at N = 3, is offered as
+//! well; for N > 3 its strands intersect.
 //!
 //! Cycles are counted in turns and kept as f64, so that the two hundredth stitch is as exact as the first.
 
@@ -12,8 +11,8 @@ use super::touch::OF_CURVATURE;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
-/// The frequency of a fresh braid of `strands`: the smallest from 2 on that has no divisor in common with it
-/// (a rope for two strands).
+/// Default frequency of a braid of `strands`: the smallest from 2 up that shares no divisor with it (a rope for two
+/// strands).
 pub(crate) fn default_frequency(strands: u32) -> u32 {
     match strands {
         2 => 1,
@@ -21,7 +20,7 @@ pub(crate) fn default_frequency(strands: u32) -> u32 {
     }
 }
 
-/// Whether `a` and `b` have no divisor in common but 1.
+/// Whether `a` and `b` share no divisor but 1.
 pub(crate) fn coprime(mut a: u32, mut b: u32) -> bool {
     while b != 0 {
         (a, b) = (b, a % b);
@@ -29,7 +28,7 @@ pub(crate) fn coprime(mut a: u32, mut b: u32) -> bool {
     a == 1
 }
 
-/// A cross-section: how many strands, which path, seen from which side.
+/// A cross-section: number of strands, path, and viewing side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Weave {
     pub(crate) strands: u32,
@@ -42,11 +41,12 @@ pub(crate) struct Weave {
 }
 
 impl Weave {
-    /// The weave of `strands` with frequency `m` (coprime to it). `under`: at the outermost crossings the strand moving
-    /// inward passes below its neighbour; an odd `m` is the same braid either way. `mirrored` swaps left and right.
+    /// The weave of `strands` with frequency `m` (coprime to it). `under`: at the outermost crossings, the strand
+    /// moving inward passes below its neighbour; an odd `m` gives the same braid either way. `mirrored` swaps left and
+    /// right.
     pub(crate) fn new(strands: u32, m: u32, under: bool, mirrored: bool) -> Self {
-        // Just past the outermost place the path's height has the sign of sin(m (90 + e)), that is of
-        // (-1)^(m/2) sin(m e).
+        // Just past the outermost point, the path's height has the sign of sin(m (90 + e)), that is, of (-1)^(m/2)
+        // sin(m e).
         let natural = (m / 2) % 2 == 1;
         let depth = if m % 2 == 1 || under == natural { 1.0 } else { -1.0 };
         Self { strands, m, lightyear: false, across: if mirrored { -1.0 } else { 1.0 }, depth }
@@ -59,7 +59,7 @@ impl Weave {
     pub(crate) fn ahead(&self, i: u32) -> f64 {
         f64::from(i) / f64::from(self.strands)
     }
-    /// Where strand `i` stands for A = B = 1 when the first strand has walked `cycle` turns.
+    /// Position of strand `i` for A = B = 1 when the first strand has walked `cycle` turns.
     pub(crate) fn at(&self, i: u32, cycle: f64) -> (f32, f32) {
         let sine = |turns: f64| sin_cos_turns((turns - turns.floor()) as f32).0;
         let own = cycle + self.ahead(i);
@@ -71,22 +71,22 @@ impl Weave {
         };
         (self.across * sine(own), self.depth * y)
     }
-    /// The side on which a strand is a quarter of a cycle after x = 0: 1 right, -1 left.
+    /// The side of a strand a quarter of a cycle after x = 0: 1 right, -1 left.
     pub(crate) fn first_side(&self) -> i32 {
         if self.across > 0.0 { 1 } else { -1 }
     }
-    /// How often a strand goes up and down in one cycle.
+    /// Oscillations of a strand per cycle.
     pub(crate) fn waves(&self) -> u32 {
         self.m
     }
 }
 
-/// How far apart stitches are.
+/// Length of a stitch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Pitch {
-    /// So many cm.
+    /// In cm.
     Cm(f32),
-    /// So many times the amplitude A.
+    /// In multiples of the amplitude A.
     Amplitudes(f32),
 }
 
@@ -99,14 +99,14 @@ impl Pitch {
     }
 }
 
-/// The inner measures of a straight braid of a given outer size, cm.
+/// The inner dimensions of a straight braid of a given outer size, cm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Size {
     /// Amplitude of the centre lines across.
     pub(crate) a: f32,
     /// Amplitude of the centre lines in depth.
     pub(crate) b: f32,
-    /// Distance of stitches.
+    /// Length of a stitch.
     pub(crate) pitch: f32,
     /// From the amplitude across to the outside of the tubes.
     pub(crate) side: f32,
@@ -114,20 +114,20 @@ pub(crate) struct Size {
     pub(crate) top: f32,
 }
 
-/// The paths of all strands over one cycle, A = B = 1, from which the size of a straight braid follows. Made once for
-/// all braids of an evaluation.
+/// The paths of all strands over one cycle, A = B = 1, from which the size of a straight braid follows. Computed once
+/// for all braids of an evaluation.
 pub(crate) struct Paths {
     strands: usize,
-    /// For each strand its places across and in depth, [`FINE`] a stitch, with [`REACH`] more at both ends.
+    /// For each strand its positions across and in depth, [`FINE`] per stitch, with [`REACH`] more at both ends.
     at: Vec<[Vec<f32>; 2]>,
 }
 
-/// Half the asked height times this is what tubes beside the highest places may reach: a little over it, so
-/// that the limit is felt by flat braids only.
+/// Tubes may reach this factor of half the requested height beside the highest points: slightly above it, so that only
+/// flat braids feel the limit.
 pub(crate) const OUTLINE: f32 = 1.06;
-/// Samples of a stitch: finer moves the size of a braid by less than a hundredth.
+/// Samples per stitch: more would change the size of a braid by less than a hundredth.
 const FINE: usize = 16;
-/// Samples to either side in which the nearest place of another strand is looked for.
+/// Samples to each side in which the nearest point of another strand is searched.
 const REACH: usize = 20;
 
 impl Paths {
@@ -146,12 +146,12 @@ impl Paths {
     }
 
     /// The centre lines of a straight braid that is `width` by `height` over its tubes, whose radii are `fullness`
-    /// times what makes them touch.
+    /// times those that touch.
     pub(crate) fn size(&self, width: f32, height: f32, pitch: Pitch, fullness: f32) -> Size {
         let (half_w, half_h) = (0.5 * width, 0.5 * height);
         let (mut a, mut b) = (0.7 * half_w, 0.5 * half_h);
-        // What tubes add to an amplitude changes more slowly than it: half steps come to a thousandth of
-        // the size within twelve.
+        // The tubes' contribution changes more slowly than the amplitude: half steps converge to a thousandth of the
+        // size within twelve.
         for _ in 0..12 {
             let (w, h) = self.outer(a, b, pitch.of(a), fullness);
             a = (a + 0.5 * (half_w - w)).max(0.05 * half_w);
@@ -160,10 +160,10 @@ impl Paths {
         Size { a, b, pitch: pitch.of(a), side: half_w - a, top: half_h - b }
     }
 
-    /// Half the outer width, and half the outer height where strands are highest: the node keeps tubes elsewhere below
+    /// Half the outer width, and half the outer height where strands are highest: elsewhere the node keeps tubes below
     /// that.
     fn outer(&self, a: f32, b: f32, pitch: f32, fullness: f32) -> (f32, f32) {
-        // Half a cycle on everything is mirrored.
+        // Half a cycle later, everything is mirrored.
         let n = self.strands * FINE / 2;
         let [xs, ys] = &self.at[0];
         let step = pitch / FINE as f32;
@@ -188,7 +188,7 @@ impl Paths {
                 (0.5 * fullness * nearest.sqrt()).min(OF_CURVATURE * turn)
             })
             .collect();
-        // As `touch.rs` rounds kinks: the least of neighbours, averaged over as many.
+        // As `touch.rs` rounds kinks: the minimum of the neighbours, averaged over as many.
         let low = |k: usize| radii[k % n].min(radii[(k + 1) % n]).min(radii[(k + n - 1) % n]);
         let radius = |k: usize| 0.25 * (low(k + n - 1) + 2.0 * low(k) + low(k + 1));
         let highest = (0..n)

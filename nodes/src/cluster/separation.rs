@@ -27,29 +27,29 @@ use std::sync::{Arc, LazyLock};
 node! {
     /// Moves clusters or hairs apart until they keep a distance.
     ///
-    /// Roots and lengths stay. Clusters keep as far apart as their radii ask, hairs as far as they are thick; set `radius` to
-    /// half a distance in cm for more.
+    /// Roots and lengths stay. Clusters keep the sum of their radii apart, hairs the sum of half their widths; for
+    /// more, set `radius` to half the distance in cm.
     "separation", version 1, label "Separation",
         words "separate collide collision hair-hair apart push repel spacing overlap relax intersect volume";
     inputs {
         /// Clusters or hairs to move apart.
         curves: Curves;
-        /// The head they stay out of.
+        /// Head that the curves stay out of.
         scalp: Option<Arc<Scalp>>;
-        /// Room around each curve: two curves keep the sum of theirs. Hairs, which have no radius, take half their width.
+        /// Room around each curve; two curves keep the sum of theirs. Hairs have no radius and use half their width.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.01, 3.0), unit(Length), words("distance thickness gap");
-        /// Factor of the room.
+        /// Multiplies the room.
         scale: f32 = 1.0, hard(0.0, 10.0), soft(0.0, 2.0);
-        /// How much of the way curves go apart in each pass.
+        /// Fraction of the missing distance that each pass corrects.
         strength: f32 = 0.7, hard(0.0, 1.0), unit(Ratio), words("stiffness");
-        /// Factor of the strength from root to tip.
+        /// Multiplies the strength from root to tip.
         along: Arc<Ramp> = Ramp::linear(0.3, 1.0), words("profile falloff");
-        /// Passes; more come closer to the distance asked for.
+        /// Number of passes; more come closer to the requested distance.
         passes: i64 = 6, hard(0.0, 100.0), soft(0.0, 20.0), unit(Count), words("iterations");
     }
     outputs {
-        /// The same curves, farther apart.
+        /// The same curves, moved apart.
         curves: Curves;
     }
 }

@@ -1,8 +1,8 @@
-//! Cross-sections that somebody drew: curves in space to closed shapes in a plane.
+//! Drawn profiles: curves in space converted to closed shapes in a plane.
 //!
-//! A curve is seen along the normal of the area that it goes around (Newell's), so that a shape drawn on any wall, and not
-//! quite flat, comes out as it was drawn; the direction to its first point from its middle is where a turn begins.
-//! Curves that go around no area are left out and counted.
+//! A curve is projected along the normal of the area that it encloses (Newell's method), so that a shape drawn on any
+//! wall, and not quite flat, keeps its form; a turn begins in the direction from its centre to its first point. Curves
+//! that enclose no area are dropped and counted.
 
 use crate::data::curves::Curves;
 use crate::data::shapes::{Section, ShapeList, Tier};
@@ -10,10 +10,10 @@ use crate::eval::EvalCx;
 use crate::maths::spline::Spline;
 use glam::{Vec2, Vec3};
 
-/// Points that a drawn shape keeps; a shape list takes up to 256.
+/// Points of a drawn profile; a shape list takes up to 256.
 const POINTS: usize = 96;
 
-/// `shapes` with the shapes of `drawn` in place of those of `tier`; as it was where nothing drawn can be used.
+/// `shapes` with the profiles of `drawn` in place of those of `tier`; unchanged if no drawn curve is usable.
 pub(crate) fn with_drawn(cx: &EvalCx, shapes: &ShapeList, drawn: &Curves, tier: Tier) -> ShapeList {
     let mut found = vec![];
     for (tuft, i) in drawn.each() {
@@ -31,7 +31,7 @@ pub(crate) fn with_drawn(cx: &EvalCx, shapes: &ShapeList, drawn: &Curves, tier: 
     ShapeList(others.chain(found).collect())
 }
 
-/// The flat, closed shape of a curve in space.
+/// The flat, closed profile of a curve in space.
 fn section(points: &[Vec3]) -> Option<Section> {
     let closed = points.len() > 3 && points[0].distance(points[points.len() - 1]) < 1e-4;
     let open = if closed { &points[..points.len() - 1] } else { points };
@@ -49,7 +49,7 @@ fn section(points: &[Vec3]) -> Option<Section> {
     let around = |i: usize| (points[i] - middle).cross(points[(i + 1) % n] - middle);
     let area: Vec3 = (0..n).map(around).sum();
     let size = points.iter().map(|p| p.distance_squared(middle)).sum::<f32>() / n as f32;
-    // Less than a thousandth of its square: a line to and fro.
+    // Less than a thousandth of its square: a line back and forth.
     if !(area.is_finite() && area.length() > 1e-3 * size) {
         return None;
     }

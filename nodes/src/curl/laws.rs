@@ -1,5 +1,5 @@
-//! The laws of curls (methods.md 4), asserted on what the node gives: form, length, points, sizes. Tests only; those of turns
-//! are in `turn_laws.rs`.
+//! The laws of curls (methods.md 4), measured on the node's output: form, length, points, sizes. Tests only; the laws
+//! of turns are in `turn_laws.rs`.
 
 use super::pattern::{Detail, Even, Pattern};
 use super::section::entries;
@@ -26,7 +26,7 @@ pub(super) fn straight(length: usize) -> Curves {
     one(&(0..=length).map(|k| Vec3::Y * k as f32).collect::<Vec<_>>())
 }
 
-/// Sources that bend this way and that.
+/// Sources that bend back and forth.
 fn bent(id: u64) -> Curves {
     let dice = Dice::new(9, 0, "source");
     let mut p = Vec3::ZERO;
@@ -40,14 +40,14 @@ fn bent(id: u64) -> Curves {
     one(&points)
 }
 
-/// The curl of a source with a preset's numbers replaced.
+/// The curl of a source, with some of a preset's values replaced.
 pub(super) fn curled(source: &Curves, preset: &str, set: &[(&str, Value)]) -> Vec<Vec3> {
     let base = [("curves", source.clone().into()), ("preset", preset.into())];
     let (out, _) = run(&NODE, &[&base, set].concat());
     curves_of(&out[0]).tufts()[0].curve(0).to_vec()
 }
 
-/// One shape, nothing random, nothing blended.
+/// One profile, nothing random, nothing blended.
 pub(super) fn pure(section: Section) -> Vec<(&'static str, Value)> {
     let zero =
         ["z_bends", "switchbacks", "skipped", "spread", "amplitude_range", "frequency_range"];
@@ -63,7 +63,7 @@ pub(super) fn pure(section: Section) -> Vec<(&'static str, Value)> {
     set
 }
 
-/// The same with some numbers replaced.
+/// The same with some values replaced.
 pub(super) fn pure_but(
     section: Section,
     but: &[(&'static str, Value)],
@@ -83,7 +83,7 @@ pub(super) fn hairs(n: u64, length: f32) -> Curves {
     Curves::new(vec![b.build().into()])
 }
 
-/// The curls of `source` and what was said.
+/// The curls of `source`, and the messages.
 pub(super) fn wound(source: &Curves, preset: &str, set: &[(&str, Value)]) -> (Curves, Vec<String>) {
     let base = [("curves", source.clone().into()), ("preset", preset.into())];
     let (out, said) = run(&NODE, &[&base, set].concat());
@@ -138,10 +138,10 @@ fn the_rms_radius_is_half_the_diameter_whatever_the_shape() {
         for span in 0..spline.span_count() {
             for k in 0..4 {
                 let p = spline.point(Place { span, t: k as f32 / 4.0 });
-                // Fifty whole turns of the full-amplitude part.
+                // Fifty whole turns of the full-size part.
                 if (0.5..1.5).contains(&p.y) {
                     if let Some(last) = last {
-                        // Turns run evenly along the source: so does the weight.
+                        // Turns are even along the source, and so is the weight.
                         let step = f64::from(p.y - last.y);
                         sum += step * f64::from(p.x * p.x + p.z * p.z);
                         length += step;
@@ -173,7 +173,7 @@ fn keeping_the_fibre_keeps_the_arc_length() {
 
 #[test]
 fn a_curl_is_as_long_as_asked_however_few_points_it_may_have() {
-    // Lengths whose corrections do not settle ended on walks that had stopped on their way: up to a seventh too short.
+    // Lengths whose corrections did not converge ended on walks that had stopped early: up to a seventh too short.
     for (most, close, ids) in [(40, 0.035, 24..30), (170, 0.01, 12..18), (255, 0.005, 0..6)] {
         for id in ids {
             let source = bent(id);
@@ -190,7 +190,7 @@ fn a_curl_is_as_long_as_asked_however_few_points_it_may_have() {
 
 #[test]
 fn a_wave_wider_than_its_sources_bends_goes_on_past_the_source_until_its_length_is_kept() {
-    // A wavy source under a flat wave as long as its own: where the two are opposed they nearly cancel out.
+    // A wavy source under a flat wave of the same length: where the two are opposed, they nearly cancel out.
     let wavy: Vec<Vec3> = (0..=36)
         .map(|k| {
             Vec3::new(
@@ -234,7 +234,7 @@ pub(super) fn lock(n: u64) -> Curves {
     Curves::new(vec![b.build().into()])
 }
 
-/// How far the hairs of a lock are from the lock's own curl at `y` cm: in curl radii, a hair each.
+/// Distance of the hairs of a lock from the lock's own curl at `y` cm, in curl radii, one per hair.
 fn apart(preset: &str, definition: f32, y: f32) -> Vec<f32> {
     let curl = |definition: f32, n: u64| {
         let set = [
@@ -262,15 +262,15 @@ fn hairs_keep_step_with_their_clump_as_far_as_definition_says_and_leave_one_by_o
     for preset in ["3b", "3c", "4a"] {
         // All alike.
         assert!(apart(preset, 1.0, 9.0).iter().all(|d| *d < 1e-3), "{preset}");
-        // Set with product: nearly all within half a radius, to the tip; and a few on their own.
+        // Set with product: nearly all within half a radius, to the tip, and a few separate.
         let together = |d: &[f32]| d.iter().filter(|d| **d < 0.5).count();
         let far = apart(preset, 0.9, 9.0);
         assert!((140..200).contains(&together(&far)), "{preset}: {}", together(&far));
-        // Less defined, fewer; farther from the root, fewer.
+        // Less defined: fewer; farther from the root: fewer.
         let shares = [0.9, 0.7, 0.4, 0.0].map(|d| together(&apart(preset, d, 9.0)));
         assert!(shares.windows(2).all(|w| w[0] > w[1]), "{preset}: {shares:?}");
         assert!(together(&apart(preset, 0.7, 3.0)) > shares[1], "{preset}");
-        // At 0 each its own: no more in step than chance lets be.
+        // At 0, each has its own: no more in phase than by chance.
         assert!(shares[3] < 60, "{preset}: {shares:?}");
     }
 }
@@ -287,7 +287,7 @@ fn z_bends_come_in_runs_whose_plane_turns_slowly() {
         ("pitch", Value::Float(0.5)),
     ];
     let points = curled(&straight(30), "4b", &set);
-    // In each window of a turn the hair lies in a plane through the axis: its spread across is small.
+    // In each window of one turn, the hair lies in a plane through the axis: its spread across is small.
     let mut planes: Vec<Vec2> = vec![];
     for turn in 6..56 {
         let from = turn as f32 * 0.5;
@@ -303,7 +303,7 @@ fn z_bends_come_in_runs_whose_plane_turns_slowly() {
         let angle = 0.5 * crate::maths::transcendental::atan2(2.0 * xy, xx - yy);
         planes.push(Vec2::from_angle(angle));
     }
-    // Neighbours agree to 40 degrees (either way round), and over the hair the plane goes round.
+    // Neighbours agree to 40 degrees (in either direction), and over the hair the plane rotates all the way.
     let agree = planes.windows(2).filter(|w| w[0].dot(w[1]).abs() > 0.766).count();
     assert!(agree * 10 >= planes.len() * 8, "{agree} of {}", planes.len());
     assert!(planes.iter().any(|p| p.dot(planes[0]).abs() < 0.5));
@@ -399,7 +399,7 @@ fn the_tangent_turns_half_as_much_in_half_a_step() {
     }
 }
 
-/// The worst ratio of neighbouring spacings.
+/// The largest ratio of adjacent spacings.
 fn unevenness(points: &[Vec3]) -> f32 {
     let ratio = |w: &[Vec3]| {
         let (a, b) = (w[0].distance(w[1]), w[1].distance(w[2]));
@@ -410,7 +410,7 @@ fn unevenness(points: &[Vec3]) -> f32 {
 
 #[test]
 fn points_are_even_and_as_many_as_the_tolerance_asks_for_and_no_more_than_allowed() {
-    // Sources that bend as tightly as these curls are the hardest case: a point at the tip may be left over.
+    // Sources that bend as tightly as these curls are the hardest case: a point at the tip may remain.
     let (mut all, mut even) = (0, 0);
     for preset in ["2a", "2b", "2c", "3a", "3b", "3c", "4a", "4b", "4c", "custom"] {
         for id in 0..3 {
@@ -431,8 +431,8 @@ fn points_are_even_and_as_many_as_the_tolerance_asks_for_and_no_more_than_allowe
     assert!(even * 100 >= all * 95, "{even} of {all}");
 }
 
-/// Diameter and pitch of a curl along Y, cm, from its points alone: turns by the angle about the line from end to end, the
-/// axis by the mean over one turn, the diameter by the distance from it in the root of the mean square.
+/// Diameter and pitch of a curl along Y, cm, from its points only: turns by the angle about the line from end to end,
+/// the axis by the mean over one turn, the diameter by the RMS distance from it.
 pub(super) fn measured(points: &[Vec3]) -> (f32, f32) {
     let spline = Spline::new(points).unwrap();
     // The part at full size.
@@ -459,8 +459,9 @@ pub(super) fn measured(points: &[Vec3]) -> (f32, f32) {
     (2.0 * (sum / count as f32).sqrt(), (samples[n].y - samples[0].y).abs() / turns)
 }
 
-/// Diameter and pitch as `coif measure` finds them where hair turns back now and then or goes to and fro: whichever way round a
-/// turn goes counts, about the mean over several turns. Of hair that goes back at every turn the program takes the mean over two.
+/// Diameter and pitch as `coif measure` finds them for hair that sometimes reverses or swings back and forth: turns in
+/// either direction count, about the mean over several turns. For hair that reverses at every turn, the program uses
+/// the mean over two.
 fn followed(points: &[Vec3]) -> (f32, f32) {
     let spline = Spline::new(points).unwrap();
     let n = (points.len() * 4).min(2048);
@@ -547,7 +548,8 @@ fn evaluated_hairs_measure_what_was_asked_of_them() {
     ] {
         check(preset, length, &[], 0.05);
     }
-    // The ends of what can be asked, of which `coif measure` finds these within 8 % (of fewer turns less: docs/decisions/curl-sizes.md); what follows hair here is plainer than that.
+    // The limits of the inputs, which `coif measure` finds within 8 % (with fewer turns, less accurately:
+    // docs/decisions/curl-sizes.md); the tracing here is simpler.
     for preset in ["3c", "4a"] {
         check(preset, 14.0, &float("switchbacks", 1.0), 0.1);
         check(preset, 14.0, &[("hand", "alternating".into())], 0.1);

@@ -1,24 +1,24 @@
 //! What all curls of a node have in common, and the turns that are drawn from it.
 //!
-//! Guarantees: turn `j` of a curl is a pure function of the pattern, the curl's name and `j`; a pattern that is
-//! [`Pattern::evened`] draws turns which, in the mean, have the size and the pitch that are asked, exactly where they differ
-//! little, by fits to what is measured where they differ much. Not promised: any one turn of the size asked.
+//! Guarantees: turn `j` of a curl is a pure function of the pattern, the curl's key and `j`. The turns of a pattern
+//! after [`Pattern::evened`] have the requested mean size and pitch: exactly if they differ little, by fits to
+//! measurements if they differ much. Not promised: the requested size of any single turn.
 
 use super::section::{ENTRIES, Shape};
 use crate::maths::hash::{Dice, mix};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec2;
 
-/// What all curls of a node share.
+/// Settings shared by all curls of a node.
 #[derive(Debug)]
 pub(crate) struct Pattern {
-    /// The list's shapes, and the zigzag of Z-bends last.
+    /// The list's profiles, and the zigzag of Z-bends last.
     pub(crate) shapes: Vec<Shape>,
-    /// The farthest that any of them goes from its centre.
+    /// The largest distance of any of them from its centre.
     pub(crate) widest: f32,
-    /// Which shape each entry of the shape list is.
+    /// Index of the profile of each entry of the shape list.
     pub(crate) list: Vec<u16>,
-    /// Shares of turns.
+    /// Fractions of turns.
     pub(crate) z_bends: f32,
     pub(crate) switchbacks: f32,
     pub(crate) skipped: f32,
@@ -26,51 +26,51 @@ pub(crate) struct Pattern {
     pub(crate) ranges: [f32; 4],
     pub(crate) spread: f32,
     pub(crate) blend: f32,
-    /// Direction of the first turn; none: drawn.
+    /// Direction of the first turn; `None`: random.
     pub(crate) hand: Option<f32>,
-    /// Turns that the phase at the root is drawn from, 0 or 1, and what is added.
+    /// Range in turns that the phase at the root is drawn from, 0 or 1, and its offset.
     pub(crate) phase_range: f32,
     pub(crate) phase: f32,
-    /// cm from the root that stay straight.
+    /// Straight length at the root, cm.
     pub(crate) start: f32,
     /// Turns over which the curl grows to its full size.
     pub(crate) rise: f32,
-    /// cm from the root over which turns grow from half their size and pitch.
+    /// Length at the root over which turns grow from half their size and pitch, cm.
     pub(crate) sponge: f32,
     pub(crate) detail: Detail,
     /// The most CVs on a curl.
     pub(crate) most: usize,
-    /// What [`Self::evened`] finds.
+    /// The result of [`Self::evened`].
     pub(crate) even: Even,
     pub(crate) turn_dice: Dice,
     pub(crate) curl_dice: Dice,
 }
 
-/// What decides the number of CVs.
+/// What sets the number of CVs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Detail {
-    /// CVs on a turn of full size.
+    /// CVs per turn of full size.
     PerTurn(f32),
-    /// How far the chord between two CVs may lie off the curl, as a share of the curl's radius.
+    /// Largest distance of the chord between two CVs from the curl, as a fraction of the curl's radius.
     Tolerance(f32),
 }
 
-/// A turn as drawn: factors and shares, before any curve has a size.
+/// A turn as drawn: factors and fractions, before any curve has a size.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
     pub(crate) shape: u16,
-    /// Cosine and sine of the angle that a Z-bend's plane is turned by.
+    /// Cosine and sine of the rotation of a Z-bend's plane.
     pub(super) plane: Vec2,
     pub(super) back: bool,
     pub(super) size: f32,
     pub(super) pitch: f32,
     pub(super) phase: f32,
     pub(super) offset: Vec2,
-    /// Uniform in [0, 1): whether a hair leaves its clump at this turn.
+    /// Uniform in [0, 1): decides whether a hair leaves its clump at this turn.
     pub(super) gate: f32,
 }
 
-/// What is drawn once a curl.
+/// Values drawn once per curl.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start {
     pub(super) hand: f32,
@@ -79,34 +79,34 @@ pub(super) struct Start {
     pub(super) pitch: f32,
 }
 
-/// How much of its size a skipped turn keeps: not none, for hair is never straight beside its own curls.
+/// Fraction of its size that a skipped turn keeps: not zero, since hair is never straight next to its own curls.
 const SKIPPED: f32 = 0.15;
-/// What turns that lie off the source add to the square of a curl's size and to its pitch, for the square of the offset: a
-/// fifth of their own square, as the axis of ten turns follows them (that of twenty does less: then curls of an offset of 1
-/// are seen 8 % wider, as they are without this of 0.7).
+/// What offset turns add to the square of a curl's size and to its pitch, per squared offset: a fifth of their own
+/// square, because the axis over ten turns follows them (over twenty turns less so: curls with an offset of 1 are then
+/// measured 8 % too wide, as they are at 0.7 without this correction).
 const WANDERS: [f32; 2] = [0.14, 0.05];
-/// What a curl of large and of small turns lacks in size, for the fourth power of their range, and has too much in pitch, for
-/// the square: found at 0.95, for coils of ten turns and of twenty.
+/// Deficit in size of a curl of large and small turns, per fourth power of their range, and excess in pitch, per
+/// square: measured at 0.95, for coils of ten and of twenty turns.
 const SMALL: [f32; 2] = [0.05, 0.045];
-/// How much longer turns are seen to be where half are skipped, times four: found at 0.15 to 0.5.
+/// Measured excess in turn length where half are skipped, times four: fitted at 0.15 to 0.5.
 const HALF_SKIPPED: f32 = 0.2;
-/// How much shorter turns are seen to be of a curl that turns back at every turn, without blending: then it swings to and fro
-/// beside its source, and its axis with it. Where it does so at every other turn, a hundredth.
+/// Measured deficit in turn length of a curl that reverses at every turn, without blending: it swings back and forth
+/// beside its source, and its axis with it. If it reverses at every other turn, a hundredth.
 const SWINGS: f32 = 0.12;
-/// Turns for which Z-bends go on, or stay away: hair kinks in runs.
+/// Turns for which Z-bends continue, or stay away: hair kinks in runs.
 const Z_RUN: u64 = 3;
-/// Turns over which the plane of Z-bends turns.
+/// Turns over which the plane of Z-bends rotates.
 const PLANE_REACH: u64 = 7;
-/// Where the numbers of runs and of planes begin among a curl's random numbers.
+/// First index of the runs' and planes' random numbers among a curl's random numbers.
 const RUNS: u64 = 1 << 40;
 const PLANES: u64 = 1 << 41;
 
-/// Factors between what is asked and what turns are drawn with.
+/// Factors between the requested values and those that turns are drawn with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Even {
     pub(super) size: f32,
     pub(super) pitch: f32,
-    /// Share of the size asked that the mean over all turns has, skipped ones too.
+    /// Mean size of all turns, including skipped ones, as a fraction of the requested size.
     pub(super) told: f32,
 }
 
@@ -117,7 +117,7 @@ impl Default for Even {
 }
 
 impl Pattern {
-    /// Turn number `j` of the curl that `key` names.
+    /// Turn `j` of the curl with this key.
     pub(crate) fn turn(&self, key: u64, j: u64) -> Turn {
         let share = |bits: u64| (bits & 0xFFFF) as f32 * (1.0 / 65_536.0);
         let signed = |bits: u64| ((bits & 0xFFF) as f32 + 0.5) * (1.0 / 2_048.0) - 1.0;
@@ -148,8 +148,8 @@ impl Pattern {
         }
     }
 
-    /// The plane of a Z-bend at turn `j`, in turns: smooth noise, so that one zigzag leads into the next in nearly the same
-    /// plane and a hair shows its Zs. A new plane at every turn would be a tangle.
+    /// The plane of a Z-bend at turn `j`, in turns: smooth noise, so that one zigzag leads into the next in nearly the
+    /// same plane and the Zs of a hair are visible. A new plane at every turn would be a tangle.
     fn plane(&self, key: u64, j: u64) -> f32 {
         let at = |k: u64| self.curl_dice.signed(key, PLANES + k);
         let (k, x) = (j / PLANE_REACH, (j % PLANE_REACH) as f32 / PLANE_REACH as f32);
@@ -157,16 +157,16 @@ impl Pattern {
         at(0) + 0.4 * (a + (b - a) * (x * x * (3.0 - 2.0 * x)))
     }
 
-    /// The pattern with the factors that keep, in the mean, the size and the pitch that are asked of curls whose turns differ.
-    /// Turns that are skipped are none that others make up for: what the others are stays, and what is told is the mean.
+    /// The pattern with factors that keep the requested mean size and pitch for curls whose turns differ. The other
+    /// turns do not compensate for skipped ones: they keep their size, and the mean is reported.
     ///
-    /// Parts that have a closed form are that. What is left is how hair that goes here and there is seen: its axis is where
-    /// it is in the mean over a few turns, not its source, and it goes round that seldomer. These are fits to what
-    /// `coif measure` finds (the constants say of what), all of second order or more: what differs little stays exact.
+    /// Parts with a closed form use it. The rest models how wandering hair is measured: its axis is its mean over a few
+    /// turns, not its source, and it winds around that axis less often. These are fits to the results of `coif measure`
+    /// (see the constants), all of second order or more, so that small differences stay exact.
     pub(crate) fn evened(self) -> Self {
         let [size, frequency, _, offset] = self.ranges;
         let (skipped, back) = (self.skipped, self.switchbacks);
-        // Two turns of sizes a and b, blended by a smoothstep w, are nearer to each other: the mean of 2 w (1 - w) is 9/35.
+        // Two turns of sizes a and b, blended by a smoothstep w, come closer together: the mean of 2 w (1 - w) is 9/35.
         let apart = 1.0 - 9.0 / 35.0 * self.blend;
         let square = 1.0 + size * size / 3.0 * apart + WANDERS[0] * offset * offset;
         // The mean of 1 / (1 + f x) over x from -1 to 1.
@@ -175,9 +175,9 @@ impl Pattern {
             longer += power / (2 * k + 1) as f32;
             power *= frequency * frequency;
         }
-        // While the direction changes by a smoothstep, 5 parts of 8 of the angle are gone, to and fro.
+        // While the direction changes by a smoothstep, 5/8 of the angle is traversed, back and forth.
         let gone = 1.0 - 0.375 * self.blend * back;
-        // Small turns among large ones, skipped ones and those off to the side are not gone round.
+        // Small turns among large ones, skipped turns and offset turns are not wound around.
         let passed = 1.0
             + SMALL[1] * size * size
             + WANDERS[1] * offset * offset
@@ -198,7 +198,7 @@ impl Pattern {
     }
 
     pub(super) fn start(&self, key: u64) -> Start {
-        // Symmetric in scale: as often twice as large as half.
+        // Symmetric in scale: twice as large as often as half as large.
         let factor = |x: f32| (1.0 + 0.34 * self.spread * x) / (1.0 - 0.34 * self.spread * x);
         let signed = |index| self.curl_dice.signed(key, index);
         Start {

@@ -1,46 +1,46 @@
-//! The numbers of curl types (methods.md 4): starting points that any number set on the node replaces.
+//! The values of curl types (methods.md 4): starting points that any value set on the node replaces.
 //!
-//! Sizes and pitches are guesses to be replaced by measurement. The words `2a` to `4c` are aliases that stylists
-//! use; they say wavy, curly, coily and rank nothing.
+//! Sizes and pitches are estimates, to be replaced by measurements. The names `2a` to `4c` are aliases that stylists
+//! use; they describe wavy, curly and coily hair and imply no ranking.
 
 use super::shape_list_curl::Preset;
 use crate::data::shapes::{Section, ShapeList, Tier};
 use Section::{Circle, Ellipse, Lame, Polygon, Rose};
 
-/// Everything a preset fills in.
+/// Everything that a preset fills in.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Numbers {
     pub(crate) shapes: ShapeList,
-    /// Share of turns with a shape of tier A, 0 to 1.
+    /// Fraction of turns with a profile of tier A, 0 to 1.
     pub(crate) uniformity: f32,
-    /// Tier B's share over tier C's.
+    /// Ratio of tier B to tier C.
     pub(crate) b_to_c: f32,
     /// cm: twice the RMS radius.
     pub(crate) diameter: f32,
-    /// cm of source a turn takes.
+    /// Length of source per turn, cm.
     pub(crate) pitch: f32,
-    /// The least radius of a corner, in RMS radii.
+    /// Smallest radius of a corner, in RMS radii.
     pub(crate) rounding: f32,
-    /// Part of a turn over which one turn changes into the next.
+    /// Fraction of a turn over which it blends into the next.
     pub(crate) blend: f32,
-    /// Share of turns that are Z-bends.
+    /// Fraction of turns that are Z-bends.
     pub(crate) z_bends: f32,
-    /// Share of turns before which the direction changes.
+    /// Fraction of turns before which the direction reverses.
     pub(crate) switchbacks: f32,
-    /// Share of turns that are nearly straight.
+    /// Fraction of turns that are nearly straight.
     pub(crate) skipped: f32,
     /// How closely the hairs of a clump follow one curl.
     pub(crate) definition: f32,
-    /// R(A, F, P, O): per-turn ranges, as shares of amplitude and frequency, in turns, and in amplitudes.
+    /// R(A, F, P, O): per-turn ranges, as fractions of amplitude and frequency, in turns, and in amplitudes.
     pub(crate) ranges: [f32; 4],
     /// Turns over which the curl grows to its full size.
     pub(crate) rise: f32,
-    /// How much clumps differ in size and pitch over the head.
+    /// Variation of clumps in size and pitch over the head.
     pub(crate) spread: f32,
 }
 
 impl Preset {
-    /// The preset's numbers.
+    /// The preset's values.
     pub(crate) fn numbers(self) -> Numbers {
         // Half-height over RMS radius of a flat wave is the square root of 2.
         let wave = |half_height: f32| 2.0 * half_height * std::f32::consts::FRAC_1_SQRT_2;
@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(choice_name(words[0].0, words[0].1.trim()), "custom");
         for ((word, tip), preset) in words[1..].iter().zip(all) {
             let numbers = preset.numbers();
-            // A wave is told by its height, from crest to trough.
+            // A wave is described by its height, from crest to trough.
             let wide = if word.starts_with('2') { 2f32.sqrt() } else { 1.0 } * numbers.diameter;
             let name = choice_name(word, tip.trim());
             let mm = |cm: f32| (cm * 100.0).round() / 10.0;

@@ -1,13 +1,13 @@
-//! Cross-sections of curls as tables by arc length, and the list of 4,096 that turns draw from.
+//! Profiles of curls as tables by arc length, and the list of 4,096 entries that turns draw from.
 //!
-//! Every section is a closed curve around the origin with unit RMS radius; `theta` in [0, 1) is the
-//! fraction of its arc length from its +x axis, counter-clockwise. No corner is tighter than `rounding` of the
-//! RMS radius: the outline is widened by a disc of that radius (which rounds what points outward, however
-//! thin) and then smoothed until what points inward is as round.
+//! Every profile is a closed curve around the origin with unit RMS radius; `theta` in [0, 1) is the fraction of its arc
+//! length from its +x axis, counterclockwise. No corner is tighter than `rounding` of the RMS radius: the outline is
+//! dilated by a disc of that radius (which rounds convex corners, however thin) and then smoothed until concave corners
+//! are as round.
 //!
-//! Ellipses are the exception to both: they run by their angle and are not rounded. By arc length a flat ellipse
-//! goes to and fro at one speed, a zigzag whose crests turn within a hundredth of the period; by its
-//! angle it is the sine wave that wavy hair shows.
+//! Ellipses are the exception to both: they are parameterized by angle and not rounded. By arc length, a flat ellipse
+//! runs back and forth at constant speed, a zigzag whose crests turn within a hundredth of the period; by angle, it is
+//! the sine wave of wavy hair.
 
 use crate::data::shapes::{Section, ShapeList, Tier};
 use crate::maths::spline::Spline;
@@ -16,31 +16,31 @@ use glam::{Vec2, Vec3};
 
 /// Entries of the shape list.
 pub(crate) const ENTRIES: usize = 4096;
-/// Entries of a section's table. A corner of the least rounding takes seven of them.
+/// Entries of a profile's table. A corner of the smallest rounding takes seven of them.
 const TABLE: usize = 512;
-/// How much rounder than asked an outline is made, for what the table's interpolation takes back.
+/// Extra roundness of an outline, to offset the table's interpolation.
 const MARGIN: f32 = 1.05;
-/// Points of an outline while it is made.
+/// Points of an outline under construction.
 const FINE: usize = 1024;
 
 /// A closed curve of unit RMS radius by arc length.
 #[derive(Clone, Debug)]
 pub(crate) struct Shape {
-    /// Point and velocity (per entry) at each entry; the first again at the end.
+    /// Point and velocity (per entry) at each entry; the first is repeated at the end.
     table: Vec<(Vec2, Vec2)>,
-    /// Length around.
+    /// Length of the outline.
     pub(crate) perimeter: f32,
-    /// How much it bends: the acceleration that nine tenths of a turn do not exceed, that of a circle being 1.
+    /// Its bend: the acceleration that nine tenths of a turn do not exceed, relative to a circle.
     pub(crate) bend: f32,
-    /// The farthest it goes from its centre.
+    /// Its largest distance from the centre.
     pub(crate) widest: f32,
 }
 
 impl Shape {
-    /// The point at `theta` turns, any finite number, and how it changes with `theta`. C1.
+    /// The point at `theta` turns, any finite number, and its derivative by `theta`. C1.
     #[inline(always)]
     pub(crate) fn at(&self, theta: f32) -> (Vec2, Vec2) {
-        // Truncated and mended: a floor, without asking the library for one.
+        // Truncated and corrected: a floor without a library call.
         let whole = theta as i32 as f32;
         let part = theta - whole;
         let x = (if part < 0.0 { part + 1.0 } else { part }) * TABLE as f32;
@@ -69,7 +69,7 @@ impl Shape {
         Self { table, perimeter: perimeter(outline), bend, widest }
     }
 
-    /// The shape of a section.
+    /// The table of a profile.
     pub(crate) fn of(section: &Section, rounding: f32) -> Self {
         match section {
             Section::Circle => Self::ellipse(1.0),
@@ -91,7 +91,7 @@ impl Shape {
                 Self::polar(rounding, |turns| 1.0 + depth * sin_cos_turns(turns * petals).1)
             }
             Section::Custom(points) => {
-                // Three points more at either end close the spline.
+                // Three more points at each end close the spline.
                 let n = points.len();
                 let around = |i: usize| points[i % n].extend(0.0);
                 let cvs: Vec<Vec3> = (n - 3..2 * n + 4).map(around).collect();
@@ -107,7 +107,7 @@ impl Shape {
         }
     }
 
-    /// The Z of a Z-bend: straight legs to and fro with bends as tight as the rounding.
+    /// The Z of a Z-bend: straight legs back and forth with bends as tight as the rounding.
     pub(crate) fn zigzag(rounding: f32) -> Self {
         let along = |k: usize| (4.0 * k as f32 / FINE as f32 - 2.0).abs() - 1.0;
         let line = (0..FINE).map(|k| Vec2::new(along(k), 0.0)).collect();
@@ -133,23 +133,23 @@ impl Shape {
         Self::rounded((0..FINE).map(at).collect(), rounding, rounding)
     }
 
-    /// The shape of an outline after widening by `widen` and smoothing until nothing is tighter than `rounding`, both
-    /// in RMS radii of the result.
+    /// The outline dilated by `widen` and smoothed until nothing is tighter than `rounding`, both in RMS radii of the
+    /// result.
     fn rounded(outline: Vec<Vec2>, widen: f32, rounding: f32) -> Self {
-        // Smoothing thins the tips of thin arms: where it cannot reach the rounding, a wider disc can.
+        // Smoothing thins the tips of thin arms: where it cannot reach the rounding, a larger disc can.
         let mut roundest = vec![];
         for widen in [1.0, 1.5, 2.25, 3.4].map(|more| more * widen) {
-            // The disc is measured by the radius that it makes itself; twice round is within 1 %.
+            // The disc's radius is relative to the result; two rounds converge within 1 %.
             let disc =
                 (0..2).fold(widen, |disc, _| widen * rms(&even(&widened(&outline, disc, FINE))));
-            // The sides of thin arms lie along the rays: they need many.
+            // The sides of thin arms run along the rays, so many rays are needed.
             let wide = normalised(&widened(&outline, disc, 4 * FINE));
             let smooth = |sigma: f32| normalised(&smoothed(&wide, sigma));
             let enough = |outline: &[Vec2]| tightest(outline) >= MARGIN * rounding;
             if enough(&wide) {
                 return Self::new(&wide);
             }
-            // The least smoothing that is enough, in RMS radii, to a twentieth.
+            // The smallest sufficient smoothing, in RMS radii, to a twentieth.
             let (mut low, mut high) = (0.0, 0.02);
             while high < 0.6 && !enough(&smooth(high)) {
                 (low, high) = (high, high * 1.5);
@@ -171,7 +171,7 @@ fn perimeter(outline: &[Vec2]) -> f32 {
     (0..outline.len()).map(|i| outline[i].distance(outline[(i + 1) % outline.len()])).sum()
 }
 
-/// RMS radius of an outline whose points are even.
+/// RMS radius of an outline with evenly spaced points.
 fn rms(outline: &[Vec2]) -> f32 {
     (outline.iter().map(|p| p.length_squared()).sum::<f32>() / outline.len() as f32).sqrt()
 }
@@ -179,7 +179,7 @@ fn rms(outline: &[Vec2]) -> f32 {
 /// The outline at even arc length from its +x axis.
 fn even(outline: &[Vec2]) -> Vec<Vec2> {
     let n = outline.len();
-    // Where it crosses the +x axis, farthest out.
+    // Its outermost crossing of the +x axis.
     let crossing = |i: usize| {
         let (a, b) = (outline[i], outline[(i + 1) % n]);
         let crosses = (a.y <= 0.0) != (b.y <= 0.0) || a.y == 0.0;
@@ -194,7 +194,7 @@ fn even(outline: &[Vec2]) -> Vec<Vec2> {
     let mut around = vec![start];
     around.extend((1..=n).map(|k| outline[(first + k) % n]));
     around.push(start);
-    // Twice the signed area: drawn shapes may run clockwise.
+    // Twice the signed area: drawn profiles may be clockwise.
     let area: f32 = around.windows(2).map(|w| w[0].perp_dot(w[1])).sum();
     if area < 0.0 {
         around.reverse();
@@ -215,10 +215,10 @@ fn even(outline: &[Vec2]) -> Vec<Vec2> {
     out
 }
 
-/// The outline at even arc length around its mean point, with unit RMS radius.
+/// The outline at even arc length around its centroid, with unit RMS radius.
 fn normalised(outline: &[Vec2]) -> Vec<Vec2> {
     let mut out = even(outline);
-    // Moving the centre moves the +x axis: once more is enough, for the centre then stays.
+    // Moving the centre moves the +x axis: one repetition is enough, since the centre then stays.
     for _ in 0..2 {
         let mean = out.iter().sum::<Vec2>() / FINE as f32;
         out.iter_mut().for_each(|p| *p -= mean);
@@ -229,8 +229,8 @@ fn normalised(outline: &[Vec2]) -> Vec<Vec2> {
     out
 }
 
-/// A star-shaped outline widened by a disc: the farthest that a ray from the centre stays within `radius`
-/// of it, for this many rays.
+/// A star-shaped outline dilated by a disc: for each of this many rays from the centre, the farthest point within
+/// `radius` of the outline.
 fn widened(outline: &[Vec2], radius: f32, rays: usize) -> Vec<Vec2> {
     if radius <= 0.0 {
         return outline.to_vec();
@@ -247,7 +247,7 @@ fn widened(outline: &[Vec2], radius: f32, rays: usize) -> Vec<Vec2> {
     (0..rays).map(reach).collect()
 }
 
-/// The even outline convolved with a Gaussian, `sigma` in its own unit.
+/// The evenly spaced outline convolved with a Gaussian of width `sigma`, in its own unit.
 fn smoothed(outline: &[Vec2], sigma: f32) -> Vec<Vec2> {
     let n = outline.len();
     let per_step = perimeter(outline) / n as f32 / sigma;
@@ -264,7 +264,7 @@ fn smoothed(outline: &[Vec2], sigma: f32) -> Vec<Vec2> {
     (0..n).map(at).collect()
 }
 
-/// The least radius of curvature of an even outline, measured over two steps either way.
+/// The smallest radius of curvature of an evenly spaced outline, measured over two steps each way.
 fn tightest(outline: &[Vec2]) -> f32 {
     let n = outline.len();
     let radius = |i: usize| {
@@ -275,9 +275,9 @@ fn tightest(outline: &[Vec2]) -> f32 {
     (0..n).map(radius).fold(f32::INFINITY, f32::min)
 }
 
-/// Which shape of `shapes` each of the 4,096 entries names, by largest remainder: tier A has `uniformity`, B and C share
-/// the rest as `b_to_c` to 1; a tier without shapes leaves its share to the others. Every shape whose share
-/// is above zero has an entry.
+/// The profile of `shapes` for each of the 4,096 entries, by largest remainder: tier A gets `uniformity`, B and C share
+/// the rest as `b_to_c` to 1; an empty tier leaves its share to the others. Every profile with a nonzero share has an
+/// entry.
 pub(crate) fn entries(shapes: &ShapeList, uniformity: f32, b_to_c: f32) -> Vec<u16> {
     let count = |tier: Tier| shapes.0.iter().filter(|(t, _)| *t == tier).count() as f64;
     let rest = 1.0 - f64::from(uniformity);

@@ -1,11 +1,12 @@
-//! Shape-list curl: curls whose turns draw their cross-sections from a list (Lightyear 3.1).
+//! Shape-list curl: curls whose turns draw their profiles from a list (Lightyear 3.1).
 //!
-//! Guarantees: roots stay where they are; equal ids give equal curls whatever else is there; the path is C1 while
-//! `blend` is above 0; a size of 0 changes nothing; in `fibre` mode the arc length is the source's within
-//! 0.5 %, or that of a `fibre_length` that the source has room for. On a parted scalp hair whose curl would lead over a
-//! parting that its source does not is straight from its root until past there, or all along where that is not enough. A curl of more turns than its points can show
-//! is drawn larger, of the same form, and warned of. Not promised: that hairs keep clear of each other, that a curl is as large as asked where points are few, or that one much
-//! wider than its source's bends does not loop through itself.
+//! Guarantees: roots stay in place; equal ids give equal curls, whatever else is there; the path is C1 while `blend` is
+//! above 0; a size of 0 changes nothing; in `fibre` mode the arc length equals the source's within 0.5 %, or a
+//! `fibre_length` that the source has room for. On a parted scalp, a hair whose curl would cross a parting that its
+//! source does not cross is straight from its root to past that point, or entirely if that is not enough. A curl with
+//! more turns than its points can show is drawn larger, with the same form, and a warning. Not promised: that hairs
+//! stay clear of each other, that a curl has the requested size if points are few, or that a curl much wider than its
+//! source's bends does not loop through itself.
 
 mod foreseen;
 
@@ -34,113 +35,129 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Winds curves into waves, curls, coils and kinks whose cross-sections are drawn, turn by turn, from a list of shapes.
+    /// Winds curves into waves, curls, coils and kinks, turn by turn, from a list of profiles.
     ///
-    /// Choose a preset and change what you like: every number left unset is the preset's, every number that is set
-    /// replaces it. What was used is told in the node's messages. Hairs of one parent share a curl as far as
-    /// `definition` says.
+    /// Pick a preset and change what you like: unset values come from the preset, set values replace it. The node's
+    /// messages list the values used. Hairs of one parent share a curl as closely as `definition` says.
     "shape_list_curl", version 2, label "Shape-list curl",
         words "curl curly wave wavy coil coily kink kinky ringlets helix spiral perm texture type 2a 2b 2c 3a 3b 3c 4a 4b 4c zigzag guide process cross-section uniformity";
     inputs {
-        /// Curves to wind, one curl along each.
+        /// Curves to wind; each becomes one curl.
         curves: Curves;
-        /// Head that curls stay out of, and whose masks numbers may use. A curl that would lead over a parting of it begins later. Where a curl is pushed out, its length is put right once.
+        /// Head that curls stay out of, and whose masks the inputs can read. A curl that would cross a parting begins
+        /// farther from the root. Lengths are corrected once after a curl is pushed out of the head.
         scalp: Option<Arc<Scalp>>;
-        /// Type that unset numbers are taken from. Starting points, not measurements.
+        /// Curl type that fills in unset values. A starting point, not a measurement.
         preset: Preset = Preset::Type3b, words("type hair pattern chart");
-        /// Diameter of a coil; a flat wave of it is 1.41 times as high from crest to trough. 0 leaves curves as they are. Unset: the preset's.
+        /// Diameter of a coil; a flat wave of the same diameter is 1.41 times as high from crest to trough. 0 leaves
+        /// curves as they are. Unset: the preset's.
         diameter: Option<FieldInput>, hard(0.0, 100.0), soft(0.1, 4.0), unit(Length), handle(Handle::Radius),
             words("amplitude radius size width");
-        /// Length of the source that one turn takes; a small one makes tight curls that shrink much. Unset: the preset's.
+        /// Length of the source curve per turn. A small pitch makes tight curls that shrink a lot. Unset: the preset's.
         pitch: Option<FieldInput>, hard(0.02, 1000.0), soft(0.2, 8.0), unit(Length), handle(Handle::Along),
             words("frequency wavelength period turns");
-        /// Factor of the diameter; draw a ramp to let curls grow or fade from root to tip.
+        /// Multiplies the diameter. A ramp makes curls grow or fade from root to tip.
         amount: FieldInput = 1.0, hard(0.0, 10.0), soft(0.0, 2.0), words("amplitude ramp taper strength");
-        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set with product). In between, hairs keep step with the others until they leave, one here and one there, for a curl of their own. Unset: the preset's.
+        /// How closely hairs of one parent follow the same curl, from 0 (each its own: loose, dry) to 1 (all alike: set
+        /// with product). In between, hairs follow the shared curl until each leaves it at a random point. Unset: the
+        /// preset's.
         definition: Option<FieldInput>, hard(0.0, 1.0), unit(Ratio), words("clump product gel frizz styling");
-        /// Whether a hair reaches as far as before or stays as long as before.
+        /// Keep the reach of the hair, or its length.
         length: Keep = Keep::Span, words("shrinkage stretch keep");
-        /// Length of each hair where `length` is `visible` or `stretched`.
+        /// Length of each hair, when `length` is `visible` or `stretched`.
         hair_length: FieldInput = 15.0, hard(0.1, 1000.0), soft(1.0, 60.0), unit(Length), words("ask visible stretched grown long short"),
             idle(|of| matches!(of("length"), Some(Value::Text(is)) if !["visible", "stretched"].contains(&&*is)).then_some("hairs keep what they have"));
 
         [Shape]
-        /// Cross-sections in tiers: A is the primary shape, B the secondary, C the tertiary. Unset: the preset's.
+        /// Profiles in tiers: A is primary, B secondary, C tertiary. Unset: the preset's.
         shapes: Option<Arc<ShapeList>>, words("cross-section lame polygon ellipse circle rose");
-        /// Drawn cross-sections: each curve is flattened to its own plane, closed and brought to the curl's size. They take the place of the tier's other shapes.
+        /// Drawn profiles: each curve is flattened to its own plane, closed and scaled to the curl. They replace the
+        /// other profiles of their tier.
         shape_curves: Option<Curves>, words("custom drawn sketch cross-section profile outline");
-        /// Tier that drawn cross-sections join.
+        /// Tier that drawn profiles belong to.
         drawn_tier: DrawnTier = DrawnTier::A, words("custom drawn sketch");
-        /// Share of turns that have a shape of tier A, from 0 (none) to 1 (all). Unset: the preset's.
+        /// Fraction of turns with a profile of tier A, from 0 (none) to 1 (all). Unset: the preset's.
         uniformity: Option<f32>, hard(0.0, 1.0), unit(Ratio);
-        /// How many turns have a shape of tier B for each one of tier C. Unset: the preset's.
+        /// Turns with a tier B profile per turn with a tier C profile. Unset: the preset's.
         b_to_c: Option<f32>, hard(0.0, 1000.0), soft(0.0, 10.0);
-        /// Share of turns that are Z-bends: straight legs and sharp bends in a plane that changes. Unset: the preset's.
+        /// Fraction of turns that are Z-bends: straight legs and sharp bends in a changing plane. Unset: the preset's.
         z_bends: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("zigzag kink");
-        /// Share of turns at which the curl changes its direction, as a telephone cord does. Unset: the preset's.
+        /// Fraction of turns at which the curl reverses its direction, like a tangled telephone cord. Unset: the
+        /// preset's.
         switchbacks: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("perversion reversal tendril");
-        /// Share of turns that are skipped, where the hair runs nearly straight for one turn; at 1 all of it does. The other turns keep their size, and the hair's diameter is told as that of all turns in the mean. Unset: the preset's.
+        /// Fraction of turns to skip: hair runs nearly straight for one turn; at 1, everywhere. The other turns keep
+        /// their size, so the reported diameter is the mean over all turns. Unset: the preset's.
         skipped: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("skip period straight");
-        /// Part of each turn over which it changes from the last one; 0 makes corners where turns differ. Unset: the preset's.
+        /// Fraction of each turn over which it blends from the previous one; 0 makes corners where turns differ. Unset:
+        /// the preset's.
         blend: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("smooth transition");
-        /// Least radius of a shape's corners and of Z-bends, as a share of the shape's radius. Ellipses are not rounded. Unset: the preset's.
+        /// Smallest corner radius of profiles and Z-bends, as a fraction of the profile's radius. Ellipses are not
+        /// rounded. Unset: the preset's.
         rounding: Option<f32>, hard(0.05, 1.0), soft(0.05, 0.6), unit(Ratio), words("corner sharp");
-        /// Turns the cross-section about the curve; the plane of a flat wave turns with it. Added to the curves' own roll.
+        /// Rotates the profiles about the curve, and with them the plane of a flat wave. Added to the curves' own roll.
         roll: FieldInput = 0.0, hard(-36000.0, 36000.0), soft(-180.0, 180.0), unit(Angle), handle(Handle::Angle);
 
         [RootAndTip]
         /// Length from the root that stays straight.
         start: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), handle(Handle::Along), words("offset root straight");
-        /// Turns over which the curl grows to its full size; few let it turn away from the root at once. Unset: the preset's.
+        /// Turns over which the curl grows to full size; a small value makes it leave the root at once. Unset: the
+        /// preset's.
         rise: Option<f32>, hard(0.25, 100.0), soft(0.5, 6.0), words("blend root grow");
-        /// Length of hair at the root where the curl is still forming: smaller turns, closer together, half of full size at the skin. It gives the spongy root of coily hair. 0: none.
+        /// Length at the root where the curl is still forming: smaller, tighter turns, half of full size at the skin.
+        /// Gives coily hair its spongy root. 0: none.
         sponge: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), handle(Handle::Along), words("spongy root new growth density lift");
 
         [Clumping]
-        /// What starts in the same phase.
+        /// Which curls start in phase.
         phase_lock: Lock = Lock::Clump, words("clump synchronised free");
         /// Angle at which curls start; with `all`, every curl starts there.
         phase: f32 = 0.0, hard(-360.0, 360.0), soft(-180.0, 180.0), unit(Angle);
-        /// Direction of the turns, seen along the hair from the root.
+        /// Handedness of the turns, seen along the hair from the root.
         hand: Hand = Hand::Random, words("handedness chirality clockwise s z");
 
         [Detail]
-        /// What decides the number of points.
+        /// What sets the number of CVs.
         points: Points = Points::Auto, words("cvs resolution segments");
-        /// Points on a turn of full size, when given by the turn. Smaller turns get fewer, but eight at least. Unset: as many as the tolerance asks for, or 12.
+        /// CVs per turn of full size, when given per turn. Smaller turns get fewer, but at least eight. Unset: as many
+        /// as the tolerance asks for, or 12.
         points_per_turn: Option<f32>, hard(8.0, 256.0), soft(8.0, 32.0), unit(Count), words("cvs resolution segments"),
             idle(|of| matches!(of("points"), Some(Value::Text(is)) if *is == *"tolerance").then_some("points go by the tolerance"));
-        /// How far a coil may lie off the straight line between two points, as a share of its radius: 3 % makes 13 points a turn, 1 % 22. Sharp shapes get more, small turns fewer. Where a turn runs into another of another size or kind it may be twice as far.
+        /// Largest distance of a coil from the straight line between two CVs, as a fraction of its radius: 3 % gives 13
+        /// CVs per turn, 1 % gives 22. Sharp profiles get more, small turns fewer. It may double where a turn meets one
+        /// of another size or kind.
         tolerance: f32 = 0.03, hard(0.0005, 0.2), soft(0.01, 0.1), unit(Ratio), words("chord error accuracy cvs"),
             idle(|of| matches!(of("points"), Some(Value::Text(is)) if *is == *"turn").then_some("points go by the turn"));
-        /// The most points on a hair. Hairs that would get more are drawn coarser, evenly, and counted. Where that would leave a turn fewer than seven points, the hair's curl is drawn larger, in diameter and in pitch, and the hairs are named.
+        /// Largest number of CVs per hair. A hair that needs more is sampled evenly and coarser, and counted in a
+        /// message. If a turn would get fewer than seven CVs, the curl is made larger in diameter and pitch, and the
+        /// hairs are listed.
         most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
 
         [Randomness]
-        /// How much curls differ over the head in size and in pitch, from 0 (all alike) to 1 (from half to twice). No head has one curl everywhere. Unset: the preset's.
+        /// Variation of size and pitch over the head, from 0 (all alike) to 1 (from half to twice). No head has one
+        /// curl everywhere. Unset: the preset's.
         spread: Option<f32>, hard(0.0, 1.0), unit(Ratio), words("variation random mixed");
-        /// How much turns of a curl differ in size, as a share of it. Unset: the preset's.
+        /// Random variation in size between turns of a curl, as a fraction of it. Unset: the preset's.
         amplitude_range: Option<f32>, hard(0.0, 0.95), soft(0.0, 0.6), unit(Ratio), words("random irregular");
-        /// How much turns of a curl differ in how many there are to a length, as a share of it. Unset: the preset's.
+        /// Random variation in frequency between turns of a curl, as a fraction of it. Unset: the preset's.
         frequency_range: Option<f32>, hard(0.0, 0.9), soft(0.0, 0.6), unit(Ratio), words("random irregular pitch");
-        /// How far a turn may run ahead or behind, as a share of a turn. Unset: the preset's.
+        /// How far a turn may run ahead or behind, as a fraction of a turn. Unset: the preset's.
         phase_range: Option<f32>, hard(0.0, 0.5), soft(0.0, 0.2), unit(Ratio), words("random irregular shift");
-        /// How far a turn may lie off the source curve, as a share of the curl's radius. Unset: the preset's.
+        /// How far a turn may shift off the source curve, as a fraction of the curl's radius. Unset: the preset's.
         offset_range: Option<f32>, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random irregular wander");
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The curls, one for each curve, with the same ids. `fibre_length` is the hair's length along the curl in cm,
-        /// `shrinkage` the share by which its span is shorter.
+        /// The curls, one per curve, with the same ids. `fibre_length` is the length along the curl in cm, `shrinkage`
+        /// the fraction by which the span is shorter.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Type of curl that fills in what is not set.
+    /// Curl type that fills in unset values.
     Preset {
-        /// A plain round coil: for curls whose every number you set.
+        /// A plain round coil, for curls whose every value you set.
         Custom = "custom",
         /// Waves 12 mm high every 80 mm (2a): long, loose, close to the head.
         Type2a = "2a",
@@ -158,13 +175,13 @@ choice! {
         Type4a = "4a",
         /// Zigzags 4 mm wide every 4.5 mm (4b): sharp bends and few full turns.
         Type4b = "4b",
-        /// Kinks and coils 3 mm wide every 2.5 mm (4c): dense, small, changing direction often, hardly clumped.
+        /// Kinks and coils 3 mm wide every 2.5 mm (4c): dense, small, often changing direction, barely clumped.
         Type4c = "4c",
     }
 }
 
 choice! {
-    /// Tier that drawn shapes join.
+    /// Tier that drawn profiles belong to.
     DrawnTier {
         /// Primary: as often as the uniformity says.
         A = "a",
@@ -176,53 +193,54 @@ choice! {
 }
 
 choice! {
-    /// Direction of the turns.
+    /// Handedness of the turns.
     Hand {
-        /// Counter-clockwise seen from the root: a left-handed screw.
+        /// Counterclockwise seen from the root: a left-handed screw.
         Left = "left",
         /// Clockwise seen from the root: a right-handed screw.
         Right = "right",
-        /// Drawn for each clump; loose hairs may differ from their clump.
+        /// Random per clump; loose hairs may differ from their clump.
         Random = "random",
-        /// Each turn goes against the last.
+        /// Each turn reverses the previous one.
         Alternating = "alternating",
     }
 }
 
 choice! {
-    /// What starts in the same phase.
+    /// Which curls start in phase.
     Lock {
-        /// Hairs of one parent share their curl; parents differ. `definition` says how closely.
+        /// Hairs of one parent share their curl as closely as `definition` says; parents differ.
         Clump = "clump",
-        /// Every hair has a curl of its own.
+        /// Every hair has its own curl.
         Free = "free",
-        /// As `clump`, and all curls start at the same angle.
+        /// Like `clump`, with all curls starting at the same angle.
         All = "all",
     }
 }
 
 choice! {
-    /// What the curl keeps.
+    /// What the curl preserves.
     Keep {
-        /// The curl ends where the curve ended: the hair becomes longer along its curl.
+        /// The curl ends where the curve ended, so the hair gets longer along its curl.
         Span = "span",
-        /// The hair keeps its length, so the curl ends short of the curve's end. Where curves have a `fibre_length`, it is kept as far as the curve has room for it.
+        /// The hair keeps its length, so the curl ends before the curve's end. If curves have a `fibre_length`, that
+        /// length is used as far as the curve has room.
         Fibre = "fibre",
-        /// The hair is seen to be `hair_length` long: its curl takes so much of the curve, or goes straight on past its end.
+        /// The hair looks `hair_length` long: its curl uses that much of the curve, or continues straight past its end.
         Visible = "visible",
-        /// The hair is `hair_length` long when pulled straight; its curl makes it shorter to see.
+        /// The hair is `hair_length` long when pulled straight; its curl makes it look shorter.
         Stretched = "stretched",
     }
 }
 
 choice! {
-    /// What decides the number of points.
+    /// What sets the number of CVs.
     Points {
-        /// By the turn where `points_per_turn` is set, else by the tolerance.
+        /// Per turn if `points_per_turn` is set, else by tolerance.
         Auto = "auto",
-        /// So many on a turn.
+        /// A fixed number per turn.
         PerTurn = "turn",
-        /// As many as keep the curl within the tolerance.
+        /// As many as the tolerance needs.
         Tolerance = "tolerance",
     }
 }
@@ -261,7 +279,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 }
 
 impl Inputs {
-    /// The preset with what is set in its place, and what that is in words.
+    /// The preset with the set values in place, and a description of them.
     fn numbers(&self) -> (Numbers, String) {
         let mut numbers = self.preset.numbers();
         let mut edited = vec![];
@@ -276,7 +294,7 @@ impl Inputs {
                 edited.push(name);
             }
         };
-        // What varies over the hair is told by its preset's number or as varying, and sampled later.
+        // A value that varies over the hair is described as its preset's number or as varying, and sampled later.
         let constant = |field: &Option<FieldInput>| field.as_ref().and_then(FieldInput::constant);
         take("diameter", constant(&self.diameter), &mut numbers.diameter);
         take("pitch", constant(&self.pitch), &mut numbers.pitch);
@@ -356,14 +374,14 @@ impl Preset {
     }
 }
 
-/// How often a curl is wound that leads over a parting, each time later from its root.
+/// How often a curl that crosses a parting is wound again, each time starting farther from its root.
 const HELD: usize = 4;
 
-/// By how much the curl of a hair that has too few points is larger than asked.
+/// How much larger than requested the curl of a hair with too few points is.
 const LARGER: &str = "larger";
 
-/// Every curve of `tuft` as a curl, and those that have fewer points than asked, by their roots and [`LARGER`]. Curves that
-/// cannot be wound are left out and noted.
+/// Every curve of `tuft` as a curl, and those with fewer points than requested, by their roots and [`LARGER`]. Curves
+/// that cannot be wound are dropped and reported.
 fn curl(
     tuft: &Tuft,
     inputs: &Inputs,
@@ -389,7 +407,7 @@ fn curl(
         (Rail::default(), Winder::default(), Spline::default());
     let (mut kept, mut places, mut fibres, mut shrinkages) = (vec![], vec![], vec![], vec![]);
     let (mut diameters, mut pitches) = (vec![], vec![]);
-    // The root of each hair that has too few points.
+    // The root of each hair with too few points.
     let (mut coarse, mut coarse_ids, mut larger) = (TuftBuilder::new(), vec![], vec![]);
     let (mut longer, mut near): (Vec<Vec3>, Vec<bool>) = (vec![], vec![]);
     let sections = scalp.and_then(Scalp::sections);
@@ -432,7 +450,7 @@ fn curl(
             (_, parent) => parent,
         };
         let roll = (!level).then_some(|(cv, t): (u32, f32)| {
-            // Past the source's end, as at its end.
+            // Past the source's end, the attributes of its end apply.
             let last = points.len() as u32 - 2;
             let (cv, t) = if cv > last { (last, 1.0) } else { (cv, t) };
             let at = root + cv as usize;
@@ -441,7 +459,7 @@ fn curl(
             a + (b - a) * t + turned.along(tuft, i, u)
         });
         let roll = roll.as_ref();
-        // Where the source ends too early, it goes straight on.
+        // Where the source ends too early, it is extended straight.
         let mut extend = |rail: &mut Rail, more: f32| {
             longer.clear();
             longer.extend_from_slice(points);
@@ -449,15 +467,15 @@ fn curl(
             rail.rebuild(&longer, start).is_ok()
         };
         let long = asked_length.at(i, root, 0.0);
-        // What is kept, whether the source goes on for it, and the fewest points: of a whole source, as many as it
-        // has, for so many its shape needs.
+        // What is preserved, whether the source is extended for it, and the fewest points: for a whole source, as many
+        // as it has, since its shape needs them.
         let (mut goal, goes_on, fewest) = match inputs.length {
             Keep::Span => {
                 (Goal { reach: rail.length(), fibre: f32::INFINITY }, false, points.len())
             }
             Keep::Visible => (Goal { reach: long, fibre: f32::INFINITY }, false, points.len()),
             Keep::Stretched => (Goal { reach: rail.length(), fibre: long }, true, 4),
-            // A fibre length that was given asks for no such thing: hair made to end somewhere ends there.
+            // A given fiber length does not require that: hair made to end somewhere ends there.
             Keep::Fibre => match fibre.at(i, root) {
                 given if given > 0.0 => (Goal { reach: rail.length(), fibre: given }, false, 4),
                 _ => (Goal { reach: rail.length(), fibre: rail.length() }, true, 4),
@@ -485,7 +503,8 @@ fn curl(
             }
             winder.points[0] = points[0];
             if let Some(skin) = skin {
-                // Where a curl lies beside its source no one point of that is under it: the least that any of them may.
+                // Where a curl runs beside its source, no single source point is below it: the smallest allowed depth
+                // of all of them.
                 let depth = tuft.range(i).map(|k| depth.at(i, k)).fold(f32::MAX, f32::min);
                 let clear = |middle, radius| skin.is_clear(middle, radius);
                 winder.near(&rail, pattern, clear, &mut near);
@@ -493,11 +512,11 @@ fn curl(
             }
             let passing = sections.and_then(|sections| last_over(sections, &winder.points));
             match passing {
-                // Where its source leads over a parting, so may the curl.
+                // Where its source crosses a parting, so may the curl.
                 Some(k)
                     if tries > 0 && sections.is_some_and(|s| last_over(s, points).is_none()) =>
                 {
-                    // What three tries do not keep off the parting is straight.
+                    // After three attempts, what still crosses the parting becomes straight.
                     winder.held = if tries > 1 { winder.end_of_turn(k) } else { rail.length() };
                 }
                 _ => break,
@@ -540,14 +559,14 @@ fn curl(
     Ok([out.build(), coarse.build()])
 }
 
-/// The point of a curl up to which it lies over a parting last; none where it lies over none.
+/// The last point of a curl that lies over a parting; `None` if there is none.
 fn last_over(sections: &Sections, points: &[Vec3]) -> Option<usize> {
     sections.last_passed(points.len(), |k| points[k])
 }
 
-/// The normal that a curl's section starts from: the curve's own where it has one, else a direction that changes
-/// smoothly with the tangent, so that neighbouring hairs start alike. Somewhere such a field must break:
-/// here for hair that grows straight forward and down, which none does.
+/// The initial normal of a curl's profile: the curve's own if it has one, else a direction that changes smoothly with
+/// the tangent, so that neighbouring hairs start alike. Such a field must be discontinuous somewhere: here for hair that
+/// grows straight forward and down, which no hair does.
 fn root_normal(tangent: Vec3, own: Vec3) -> Vec3 {
     const BACK_AND_UP: Vec3 = Vec3::new(0.0, 0.8, -0.6);
     if own != Vec3::ZERO && own.is_finite() {
@@ -556,15 +575,15 @@ fn root_normal(tangent: Vec3, own: Vec3) -> Vec3 {
     carry(Vec3::X, BACK_AND_UP, tangent)
 }
 
-/// A point `more` cm past the end of `points`, straight on.
+/// A point `more` cm straight past the end of `points`.
 fn rail_end(points: &[Vec3], more: f32) -> Vec3 {
     let last = points[points.len() - 1];
     let before = points.iter().rev().find(|p| **p != last).copied().unwrap_or(last - Vec3::Y);
     last + (last - before).normalize_or(Vec3::Y) * more
 }
 
-/// Sets the points that may be near clear of the skin; where any was moved, puts each chord's length right once, from the
-/// root on, clears again, and spreads the points evenly again where the skin drew them apart.
+/// Moves points that may be near the skin clear of it. If any was moved, corrects each chord's length once, starting at
+/// the root, clears again, and restores even spacing where the skin disturbed it.
 fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: &mut Spline) {
     let may_be = |k: usize| near[k].then_some(depth);
     if !(1..points.len()).any(|k| near[k] && skin.push_out(points[k], depth).1) {
@@ -589,7 +608,7 @@ fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: 
     }
 }
 
-/// Whether neighbouring points are spaced within 1.2 : 1 (methods.md 0).
+/// Whether adjacent points are spaced within 1.2 : 1 (methods.md 0).
 fn is_even(points: &[Vec3]) -> bool {
     points.windows(3).all(|w| {
         let (a, b) = (w[0].distance_squared(w[1]), w[1].distance_squared(w[2]));
@@ -597,7 +616,8 @@ fn is_even(points: &[Vec3]) -> bool {
     })
 }
 
-/// Says how many hairs are coarser than asked, and warns of those whose curl is larger for having so few points.
+/// Reports how many hairs are coarser than requested, and warns of those with a larger curl because they have so few
+/// points.
 fn remark_on_limit(cx: &EvalCx, curves: &Curves, coarse: &Curves, most: i64) {
     let larger = |(tuft, i): (&Tuft, usize)| {
         tuft.view_named::<f32>(LARGER).map_or(1.0, |larger| larger.at(i, 0))
@@ -610,7 +630,7 @@ fn remark_on_limit(cx: &EvalCx, curves: &Curves, coarse: &Curves, most: i64) {
         ));
     }
     let by = grown.iter().map(|at| larger(*at)).fold(1.0, f32::max);
-    // Rounded up: no curl is larger than is said.
+    // Rounded up: no curl is larger than reported.
     let by = (by * 100.0).ceil() / 100.0;
     let text = format!(
         "a curl of more turns than {most} points can show is drawn larger than asked, by up to {by} times; shorten the hair, \

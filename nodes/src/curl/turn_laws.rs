@@ -1,5 +1,5 @@
-//! The laws of a curl's turns: their number and sense, which are skipped, turn back or bend in a Z, how they keep step, and where
-//! along a hair they begin. Tests only.
+//! The laws of a curl's turns: number and handedness, which are skipped, reversed or Z-bends, how they stay in phase,
+//! and where along a hair they begin. Tests only.
 
 use super::laws::{curled, hairs, lock, measured, one, pure, pure_but, straight, wound};
 use crate::data::attributes::{CURL_DIAMETER, CURL_PITCH, Domain, ID};
@@ -9,7 +9,7 @@ use crate::define::Value;
 use crate::maths::spline::Spline;
 use glam::{Vec2, Vec3};
 
-/// How often a curl along Y goes round it, and which way: turns a cm between 3 cm and 9 cm, above zero from X to Z.
+/// Rotation of a curl along Y about it: turns per cm between 3 cm and 9 cm, positive from X to Z.
 fn turns(points: &[Vec3]) -> f32 {
     let angle = |p: &Vec3| crate::maths::transcendental::atan2(p.z, p.x) / std::f32::consts::TAU;
     let part: Vec<&Vec3> = points.iter().filter(|p| (3.0..9.0).contains(&p.y)).collect();
@@ -20,13 +20,13 @@ fn turns(points: &[Vec3]) -> f32 {
     part.windows(2).map(step).sum::<f32>() / (part[part.len() - 1].y - part[0].y)
 }
 
-/// The sense of a screw: the sum of its torsion's sign, above zero for a right-handed one.
+/// Handedness of a screw: the sum of the signs of its torsion, positive for a right-handed one.
 fn sense(points: &[Vec3]) -> f32 {
     let steps: Vec<Vec3> = points.windows(2).map(|w| w[1] - w[0]).collect();
     steps.windows(3).map(|w| w[0].cross(w[1]).dot(w[2]).signum()).sum()
 }
 
-/// Radius of a curl along Y in the root of the mean square, between two heights; each height counts alike.
+/// RMS radius of a curl along Y between two heights, with all heights weighted equally.
 fn radius(points: &[Vec3], low: f32, high: f32) -> f32 {
     let (mut sum, mut gone) = (0.0, 0.0);
     for w in points.windows(2).filter(|w| w[0].y > low && w[1].y < high) {
@@ -49,7 +49,7 @@ fn a_curl_of_more_turns_than_its_points_show_is_drawn_larger_and_said_so() {
             wide += d / tuft.view(CURL_DIAMETER).at(i, 0) / tuft.len() as f32;
             far += p / tuft.view(CURL_PITCH).at(i, 0) / tuft.len() as f32;
         }
-        // Form and shrinkage are kept: pitch and diameter grow alike.
+        // Form and shrinkage stay: pitch and diameter grow alike.
         let by = larger.0..larger.1;
         assert!(by.contains(&wide) && by.contains(&far), "{preset} {length}: {wide} {far}");
         let warned: Vec<_> = said.iter().filter(|said| said.contains("drawn larger")).collect();
@@ -58,12 +58,12 @@ fn a_curl_of_more_turns_than_its_points_show_is_drawn_larger_and_said_so() {
     };
     let pitch = |x: f32| ("pitch", Value::Float(x));
     let still = [("spread", Value::Float(0.0)), ("switchbacks", Value::Float(0.0))];
-    // 36 turns and fewer have seven points each.
+    // 36 turns or fewer have seven points each.
     check("custom", 20.0, &[&still[..], &[pitch(0.7)]].concat(), (0.95, 1.05));
     check("custom", 20.0, &[&still[..], &[pitch(0.25)]].concat(), (2.05, 2.4));
     check("4a", 40.0, &still, (1.5, 1.7));
     check("3c", 14.0, &[&still[..], &[pitch(0.2)]].concat(), (1.8, 2.15));
-    // With points enough it is as it was asked.
+    // With enough points, it is as requested.
     let many = ("most_points", Value::Int(4000));
     let set = [&still[..], &[pitch(0.25), many]].concat();
     let (curves, said) = wound(&hairs(1, 20.0), "custom", &set);
@@ -82,7 +82,7 @@ fn hairs_that_are_merely_coarser_are_counted_and_no_others() {
     assert_eq!(coarser(&said(400)), 0);
     let some = said(140);
     assert!(some.iter().any(|s| s.starts_with("9 of 9 hairs would have more")), "{some:?}");
-    // Those that are drawn larger are named by that.
+    // The message names those that are drawn larger.
     let few = said(60);
     assert!(coarser(&few) == 0 && few.iter().any(|s| s.contains("drawn larger")), "{few:?}");
 }
@@ -91,7 +91,7 @@ fn hairs_that_are_merely_coarser_are_counted_and_no_others() {
 fn turns_that_are_not_skipped_keep_their_size_and_the_mean_is_told() {
     let widest = |skipped: f32| {
         let set = pure_but(Section::Circle, &[("skipped", Value::Float(skipped))]);
-        // Without blending each turn has its own size.
+        // Without blending, each turn has its own size.
         let (curves, _) = wound(&hairs(60, 14.0), "custom", &set);
         let tuft = &curves.tufts()[0];
         let all = (0..tuft.len()).map(|i| radius(tuft.curve(i), 4.0, 13.0));
@@ -195,7 +195,7 @@ fn without_spread_all_hairs_have_one_size_and_with_it_each_its_own() {
 
 #[test]
 fn z_bends_and_switchbacks_have_their_share_of_turns() {
-    // A zigzag in its plane turns about no axis; what goes round does so in one direction or in both.
+    // A zigzag in its plane winds about no axis; a coil winds in one direction or in both.
     let round = |z_bends: f32, switchbacks: f32| {
         let set = pure_but(
             Section::Circle,
@@ -208,7 +208,7 @@ fn z_bends_and_switchbacks_have_their_share_of_turns() {
         );
         let (curves, _) = wound(&hairs(200, 14.0), "custom", &set);
         let tuft = &curves.tufts()[0];
-        // Samples of direction, turn by turn: the share of them that go the first way, and the share that are flat.
+        // Samples of the direction, turn by turn: the fraction that goes the first way, and the fraction that is flat.
         let (mut flat, mut changed, mut all) = (0, 0, 0);
         for i in 0..tuft.len() {
             let mut last = 0.0;
@@ -262,11 +262,11 @@ fn a_drawn_shape_takes_the_place_of_its_tier() {
         let (sin, cos) = crate::maths::transcendental::sin_cos_turns(turns);
         1.0 / (cos * cos + 9.0 * sin * sin).sqrt()
     };
-    // A drawn circle of any size is the circle of the curl's; a flat shape comes nearer to its middle.
+    // A drawn circle of any size equals the built-in circle; a flat profile comes closer to its centre.
     assert!((least(&with(outline(&circle), "a")) - least(&plain)).abs() < 0.01);
     let drawn = least(&with(outline(&flat), "a"));
     assert!((0.1..0.35).contains(&drawn), "{drawn}");
-    // Where no turn is of tier B, what is drawn for it is not seen.
+    // If no turn is of tier B, a profile drawn for it has no effect.
     assert_eq!(with(outline(&flat), "b"), plain);
 }
 
@@ -284,7 +284,7 @@ fn a_limit_that_was_typed_is_not_outside_itself() {
 #[test]
 fn hair_that_the_skin_pushes_out_keeps_its_length() {
     let scalp = crate::data::scalp::tests::shared_ball();
-    // Sources that lie along the skin of a ball, so close that curls would go under it.
+    // Sources along the skin of a ball, so close that curls would go below it.
     let mut b = TuftBuilder::new();
     for i in 0..12 {
         let around = |k: usize| {

@@ -1,24 +1,22 @@
 //! Winds one source curve into a curl: turns drawn by hashes (`pattern.rs`), each blended into the next.
 //!
-//! A curl is a list of turns. Turn `j` has a shape, a size, a pitch, a direction, a phase, an offset; over the
-//! first `blend` of it all of them change from the last turn's values by one smoothstep. With `x` the
-//! fraction of the turn and `w` the smoothstep's integral, both the distance along the source and the
-//! angle around it are closed forms,
+//! A curl is a list of turns. Turn `j` has a profile, a size, a pitch, a direction, a phase and an offset; over its first
+//! `blend` all of them change from the previous turn's values by one smoothstep. With `x` the fraction of the turn and `w`
+//! the smoothstep's integral, the distance along the source and the angle around it both have closed forms,
 //!
 //! ```text
 //! s(x)     = s_j     + p_{j-1} x + (p_j - p_{j-1}) w(x)      p: pitch
 //! theta(x) = theta_j + h_{j-1} x + (h_j - h_{j-1}) w(x)      h: direction, +1 or -1
 //! ```
 //!
-//! so the path is C1 whatever is drawn, without integration. CVs lie on the path, spaced within 1.2 : 1 of their neighbours
-//! (where no skin is in the way), so that every reader of Catmull-Rom curves reads the same curl: the path is walked with a
-//! step that its own speed predicts, and a step that comes out too long or too short is taken again. How long
-//! steps are follows from what is asked of the error and changes slowly along the hair.
+//! so the path is C1 whatever is drawn, without integration. CVs lie on the path, spaced within 1.2 : 1 of their
+//! neighbours (where no skin is in the way), so that every reader of Catmull-Rom curves reads the same curl: the path is
+//! walked with a step predicted from its own speed, and a step that comes out too long or too short is repeated. The
+//! length of steps follows from the requested error and changes slowly along the hair.
 //!
-//! A curl may have so many CVs and no more. Where these are fewer than the error asks for, steps are longer, all alike; where
-//! they would come near the width of the turns and pass over some, the curl is drawn larger as a whole, so that what is there
-//! is a curl of the form that was asked. Not promised is that it then has the size that was asked: the caller is told by how
-//! much it is larger.
+//! A curl has a limited number of CVs. If the limit is below what the error asks for, all steps are lengthened equally; if
+//! steps would approach the size of the turns and skip some, the whole curl is drawn larger, so that the result has the
+//! requested form. Its size is then not the requested one; the caller learns by how much it is larger.
 
 use super::pattern::{Detail, Pattern, Start, Turn};
 use crate::data::attributes::CURL_MIDDLE;
@@ -27,33 +25,33 @@ use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 
-/// The most turns on one curl; a smaller pitch is taken as one that gives so many.
+/// The most turns on one curl; a smaller pitch is raised to the one that gives this many.
 const MOST_TURNS: f32 = 16_384.0;
-/// The fewest CVs on a turn, whatever its size.
+/// The fewest CVs on a turn of any size.
 const FEWEST: f32 = 8.0;
-/// CVs that a turn of full size has at least: a curl whose CVs, so many as it may have, would give fewer is drawn larger. At 7
-/// the diameters of 3c to 4c are measured within 5 % of what they are with CVs enough, and the pitches within 2 % (of 4c,
-/// whose turns differ most, within 8 %). With fewer, steps pass over small turns; with 8, the longest hairs of an afro
-/// would be drawn larger for little.
+/// Fewest CVs on a turn of full size: a curl whose limit of CVs would give fewer is drawn larger. At 7, the diameters
+/// of 3c to 4c measure within 5 % of those with enough CVs, and the pitches within 2 % (for 4c, whose turns differ
+/// most, within 8 %). With fewer, steps pass over small turns; with 8, the longest hairs of an afro would be drawn
+/// larger for little benefit.
 const FLOOR: f32 = 7.0;
-/// Below so many no CV that a curl may have is left unused, for which it is walked once more.
+/// Below this, a curl uses all CVs that it may have, which requires one more walk.
 const SCARCE: f32 = 8.5;
-/// How often a curl is drawn until its turns are large enough.
+/// How often a curl is drawn again until its turns are large enough.
 const DRAWN: usize = 8;
-/// By how much the length of steps may differ from one turn to the next: less than a tenth from one CV to the next.
+/// Largest ratio of step lengths from one turn to the next: less than a tenth from one CV to the next.
 const STEADY: f32 = 1.5;
-/// How far the length of a step may lie off what it should be.
+/// Tolerance of the length of a step.
 const LENIENT: f32 = 0.06;
-/// How close a curl comes to the length that is asked for, as a share.
+/// Relative tolerance of a curl's requested length.
 const CLOSE: f32 = 2e-3;
-/// Hairs of fewer CVs than this are measured exactly.
+/// Hairs with fewer CVs than this are measured exactly.
 const FEW: usize = 32;
-/// How many CVs share what is left over at the tip.
+/// Number of CVs that share the remainder at the tip.
 const TAIL: usize = 10;
-/// Places along a curl between which its amount is taken as linear.
+/// Samples along a curl between which its amount is linear.
 const AMOUNTS: usize = 32;
 
-/// The sizes of one curve's curl, asked at fractions of the source's length.
+/// The sizes of one curve's curl, by fraction of the source's length.
 pub(crate) struct Sizes<D, P, A> {
     /// cm.
     pub(crate) diameter: D,
@@ -66,8 +64,8 @@ pub(crate) struct Sizes<D, P, A> {
 }
 
 impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
-    /// What is asked of a curl that starts so: the diameter in the root of the mean square over its middle and the pitch
-    /// by the number of turns, where they change along the hair.
+    /// The requested values of a curl with this start: RMS diameter over its middle part, and pitch by number of turns,
+    /// where they vary along the hair.
     fn asked(&self, start: Start) -> Asked {
         let (mut square, mut turns) = (0.0, 0.0);
         let [from, to] = CURL_MIDDLE;
@@ -97,9 +95,9 @@ struct Laid {
     plane: Vec2,
     offset: Vec2,
     shape: u16,
-    /// Length of the curl on it, cm, about.
+    /// Approximate length of the curl on it, cm.
     length: f32,
-    /// cm between CVs at its end.
+    /// Spacing of CVs at its end, cm.
     spacing: f32,
 }
 
@@ -109,22 +107,22 @@ struct Mark {
     turn: u32,
     /// Fraction of the turn.
     x: f32,
-    /// cm of curl for each turn, here.
+    /// Length of curl per turn here, cm.
     speed: f32,
-    /// Way here from the last point: unit direction; and length along the curl up to here, cm.
+    /// Unit direction from the last point, and length along the curl up to here, cm.
     way: Vec3,
     arc: f32,
 }
 
 impl Mark {
-    /// By how much the speed changes a turn from here to `next`.
+    /// Change of speed per turn from here to `next`.
     fn faster(&self, next: &Self) -> f32 {
         let ahead = (next.turn - self.turn) as f32 + next.x - self.x;
         (next.speed - self.speed) / ahead.max(1e-9)
     }
 }
 
-/// What was asked of one curl after all that varies over the head.
+/// Requested values of one curl, including the variation over the head.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asked {
     /// cm.
@@ -146,7 +144,7 @@ pub(crate) struct Goal {
     pub(crate) fibre: f32,
 }
 
-/// A walk that came to its end.
+/// A completed walk.
 #[derive(Debug, Default)]
 struct Walk {
     points: Vec<Vec3>,
@@ -155,40 +153,40 @@ struct Walk {
     span: f32,
 }
 
-/// Winds curves; keeps its memory from curve to curve.
+/// Winds curves; reuses its memory from curve to curve.
 #[derive(Debug, Default)]
 pub(crate) struct Winder {
-    /// The turns of the clump last asked for.
+    /// The turns of the last requested clump.
     clump: (u64, Vec<Turn>),
     laid: Vec<Laid>,
-    /// cm over which the curl grows.
+    /// Length over which the curl grows, cm.
     rise: f32,
-    /// cm of curl on a turn of full size.
+    /// Length of curl on a turn of full size, cm.
     turn: f32,
-    /// Factor of the size at even places along the source; none: one for all.
+    /// Factor of the size at even positions along the source; empty: constant.
     amounts: Vec<f32>,
     amount: f32,
-    /// What was asked of the curl last drawn.
+    /// Requested values of the last drawn curl.
     pub(crate) asked: Asked,
-    /// cm from the root that this one curl stays straight, where that is more than the pattern's.
+    /// Straight length at the root of this curl, cm, if it exceeds the pattern's.
     pub(crate) held: f32,
-    /// By how much the curl is larger than asked, in diameter and in pitch; it never becomes less by itself.
+    /// How much larger than requested the curl is, in diameter and pitch; it never decreases by itself.
     pub(crate) larger: f32,
     /// The curl, root first.
     pub(crate) points: Vec<Vec3>,
     marks: Vec<Mark>,
-    /// How many of these the last walk has taken as they were wanted; what follows shares what was left over.
+    /// How many of these the last walk placed at the intended spacing; the rest share the remainder.
     walked: usize,
-    /// The walk so far whose length was nearest to what was asked.
+    /// The walk so far whose length is closest to the requested one.
     nearest: Walk,
-    /// Arc length of the curl and cm of source that it takes.
+    /// Arc length of the curl, and cm of source that it takes.
     pub(crate) fibre: f32,
     pub(crate) span: f32,
-    /// Whether all points that were asked for are there.
+    /// Whether all requested points are there.
     pub(crate) enough: bool,
 }
 
-/// Smoothstep, its integral from 0 and its slope, for a step of width `b`.
+/// Smoothstep, its integral from 0 and its derivative, for a step of width `b`.
 #[inline(always)]
 fn blended(x: f32, b: f32) -> (f32, f32, f32) {
     if x < b {
@@ -200,9 +198,9 @@ fn blended(x: f32, b: f32) -> (f32, f32, f32) {
 }
 
 impl Winder {
-    /// Draws and lays the curve `id`, whose clump's pattern is named by `clump`: along `rail` as far as `goal` says, with at
-    /// least `fewest` points. Where the points that a curl may have are so few that steps would pass over whole turns, it is
-    /// drawn larger, in diameter and pitch alike, so that its form and its shrinkage stay.
+    /// Draws and lays the curve `id`, whose clump has the key `clump`: along `rail` as far as `goal` says, with at
+    /// least `fewest` points. If a curl may have so few points that steps would pass over whole turns, it is drawn
+    /// larger in diameter and pitch alike, so that its form and shrinkage stay.
     pub(crate) fn wind(
         &mut self,
         pattern: &Pattern,
@@ -222,13 +220,13 @@ impl Winder {
             if wish <= room || on_turn >= FLOOR || tries == 0 {
                 break;
             }
-            // Other turns come to lie on the hair: a little more, so that the next time is the last.
+            // Other turns now fall on the hair: slightly more, so that the next attempt is the last.
             self.larger *= 1.01 * FLOOR / on_turn;
         }
         self.lay(pattern, rail, goal, fewest, roll);
     }
 
-    /// Draws the turns of the curve `id`, whose clump's pattern is named by `clump`, along `rail`.
+    /// Draws the turns of the curve `id`, whose clump has the key `clump`, along `rail`.
     fn draw(
         &mut self,
         pattern: &Pattern,
@@ -240,9 +238,9 @@ impl Winder {
         let common = sizes.definition;
         let mixed = |own: f32, clump: f32| own + (clump - own) * common;
         let mut start = pattern.start(clump);
-        // A hair goes with its clump, a little beside it, until it leaves: some at the root, others at a turn. One that
-        // left never comes back, for nothing pulls it. What adds up along the hair (pitch, direction) is the clump's own
-        // until then; else a hair a hundredth off would be out of step after a few turns.
+        // A hair follows its clump, slightly beside it, until it leaves: some at the root, others at a turn. A hair
+        // that left never comes back, since nothing pulls it. Accumulated values (pitch, direction) are the clump's own
+        // until then; otherwise a hair a hundredth off would be out of phase after a few turns.
         let loose = 1.0 - common;
         let mut left = false;
         let leaving = leaving(common);
@@ -264,7 +262,7 @@ impl Winder {
         self.asked = sizes.asked(start);
         let full = self.asked.larger(self.larger);
         self.asked.diameter *= even.told;
-        // From here on all that is drawn is larger; what was asked stays.
+        // From here on, everything drawn is larger; the requested values stay.
         (start.size, start.pitch) = (start.size * self.larger, start.pitch * self.larger);
         self.set_amounts(sizes);
         let radius = 0.5 * full.diameter;
@@ -354,8 +352,8 @@ impl Winder {
         a + (b - a) * (x - k as f32).min(1.0)
     }
 
-    /// Lays what was drawn along `rail` as far as `goal` says, into `points`. As many points as the tolerance wants, at
-    /// least `fewest` and at most the pattern's.
+    /// Lays the drawn turns along `rail` as far as `goal` says, into `points`: as many points as the tolerance needs,
+    /// at least `fewest` and at most the pattern's limit.
     fn lay(
         &mut self,
         pattern: &Pattern,
@@ -375,8 +373,8 @@ impl Winder {
             self.laid.iter_mut().for_each(|laid| laid.spacing = even);
             stretch = 1.01;
         }
-        // The spline through the points is a little shorter than the path: how long it is shows when it is there. And
-        // a walk that needs more points than there may be is begun again with longer steps.
+        // The spline through the points is slightly shorter than the path, and its length is known only afterward. A
+        // walk that needs more points than allowed starts again with longer steps.
         let (mut fibre, mut corrections, mut again) = (goal.fibre, 0, false);
         let mut scarce = self.on_turn(most, length) < SCARCE;
         let mut nearest = f32::INFINITY;
@@ -384,7 +382,7 @@ impl Winder {
             let way = (fibre, stretch, most, again);
             match self.walk(pattern, rail, (last as u32, x), way, roll) {
                 Ok(_) if scarce && !self.enough && self.points.len() * 16 < most * 15 => {
-                    // Chords cut corners and need fewer: what is left makes all of them shorter.
+                    // Chords cut corners and need fewer points: the rest makes all of them shorter.
                     stretch *= self.points.len() as f32 / (most - 1) as f32;
                     (again, scarce) = (false, false);
                 }
@@ -406,7 +404,7 @@ impl Winder {
                     fibre *= goal.fibre / self.fibre;
                     again = true;
                     if corrections > 2 {
-                        // Cusps that points pass over now and now not: finer points hold them all.
+                        // Points that pass over cusps only in some walks: finer points resolve all of them.
                         stretch *= 0.8;
                         again = false;
                     }
@@ -425,7 +423,7 @@ impl Winder {
                 }
             }
         }
-        // No length was close, and the last walk may have stopped on the way for want of points.
+        // No length was close, and the last walk may have stopped early for lack of points.
         if nearest < f32::INFINITY {
             std::mem::swap(&mut self.points, &mut self.nearest.points);
             std::mem::swap(&mut self.marks, &mut self.nearest.marks);
@@ -433,20 +431,20 @@ impl Winder {
         }
     }
 
-    /// How many of the steps between `most` CVs on `length` cm of curl a turn of full size has.
+    /// How many of the steps between `most` CVs on `length` cm of curl fall on a turn of full size.
     fn on_turn(&self, most: usize, length: f32) -> f32 {
         (most - 1) as f32 * self.turn / length
     }
 
-    /// Turn and fraction of it at which the curl has come as far along its source as it goes.
+    /// Turn, and fraction of it, at which the curl reaches its end along its source.
     fn end(&self, pattern: &Pattern, goal: Goal) -> (usize, f32) {
         let last = (self.laid.partition_point(|laid| laid.s < goal.reach).max(1) - 1)
             .min(self.laid.len() - 2);
         (last, self.x_at(last, goal.reach, pattern.blend))
     }
 
-    /// About how many steps of the wanted length lead to the fraction `x` of turn `last`, or to `fibre` cm of curl; and how
-    /// many cm they are.
+    /// Approximate number of steps of the intended length to the fraction `x` of turn `last`, or to `fibre` cm of curl;
+    /// and their length in cm.
     fn steps_to(&self, last: usize, x: f32, fibre: f32) -> (f32, f32) {
         let (mut steps, mut gone) = (0.0, 0.0);
         for j in 0..=last {
@@ -463,9 +461,10 @@ impl Winder {
         (steps.max(1e-3), gone.min(fibre))
     }
 
-    /// Walks to the place `whole` (turn and fraction), or as far as `fibre` cm of curl, with no more than `most` points. Steps are
-    /// `stretch` times as long as wanted. Where the same steps were gone `again`, all but the last of them need not be: the walk
-    /// is the same. Tells whether it came to the end; when that would take more points, the part of the way that was gone.
+    /// Walks to the position `whole` (turn and fraction), or `fibre` cm along the curl, with at most `most` points.
+    /// Steps are `stretch` times the intended length. If `again`, the same steps were taken before, and all but the
+    /// last can be skipped. Returns whether it reached the end or, if that would take more points, the fraction that it
+    /// covered.
     fn walk(
         &mut self,
         pattern: &Pattern,
@@ -532,7 +531,7 @@ impl Winder {
         Ok((end.turn, end.x) >= whole)
     }
 
-    /// Ends the walk at `end`: what is left over is shared by the last points. No more than `most` points there are.
+    /// Ends the walk at `end`: the last points share the remainder. There are at most `most` points.
     fn finish(
         &mut self,
         pattern: &Pattern,
@@ -549,7 +548,7 @@ impl Winder {
             |points: &[Vec3]| -> f32 { points.windows(2).map(|w| w[0].distance(w[1])).sum() };
         let left = chords(&self.points[base..]) + self.points[n - 1].distance(stop);
         let own = (n - 1 - base) as f32;
-        // As many as there are, or one more.
+        // The same number, or one more.
         let mean = if base + 1 < n { chords(&self.points[base..]) / own } else { wanted };
         let room = most.saturating_sub(base + 1).max(1);
         let likely = ((left / mean).round().clamp(1.0, own + 1.0) as usize).min(room);
@@ -585,8 +584,8 @@ impl Winder {
         self.marks.push(end);
     }
 
-    /// Takes all steps but the last from point `base` to the end. By how much the last is longer than the others, or how
-    /// far they went past it (negative).
+    /// Takes all steps but the last from point `base` to the end. Returns how much longer the last is than the others,
+    /// or how far they went past the end (negative).
     fn tail(
         &mut self,
         pattern: &Pattern,
@@ -611,8 +610,8 @@ impl Winder {
         self.points[self.points.len() - 1].distance(stop) - step
     }
 
-    /// The next point `wanted` cm from a point of the curl, give or take a share, where the speed changes by `faster` a
-    /// turn; and its distance.
+    /// The next point `wanted` cm from a point of the curl, within the tolerance, where the speed changes by `faster`
+    /// per turn; and its distance.
     #[inline(always)]
     fn step(
         &self,
@@ -626,8 +625,8 @@ impl Winder {
         let mut ahead = wanted / mark.speed;
         ahead =
             wanted / (mark.speed + 0.5 * faster * ahead).clamp(0.5 * mark.speed, 2.0 * mark.speed);
-        // Where the curl turns back on itself (a wave wider than its source's bends does), distance no longer grows with
-        // the way: then the first place that is far enough is closed in on.
+        // Where the curl turns back on itself (a wave wider than its source's bends does), distance no longer grows
+        // along the path: the first position that is far enough is then bracketed.
         let (mut near, mut beyond, mut tries) = (0.0, f32::INFINITY, 0);
         loop {
             let place = self.ahead((mark.turn, mark.x), ahead);
@@ -651,7 +650,7 @@ impl Winder {
         }
     }
 
-    /// The place `ahead` turns on; the last turn goes on for ever.
+    /// The position `ahead` turns further; the last turn continues forever.
     #[inline(always)]
     fn ahead(&self, (turn, x): (u32, f32), ahead: f32) -> (u32, f32) {
         let (mut turn, mut x) = (turn, x + ahead);
@@ -663,7 +662,7 @@ impl Winder {
         (turn, x)
     }
 
-    /// The curl's point at a fraction of a turn, and its speed there in cm a turn.
+    /// The curl's point at a fraction of a turn, and its speed there in cm per turn.
     #[inline(always)]
     fn at(
         &self,
@@ -705,13 +704,13 @@ impl Winder {
         (stop.point + stop.binormal * across.x + stop.normal * across.y, speed)
     }
 
-    /// Where the source is at the fraction `x` of turn `j`, cm from its root.
+    /// Position on the source at the fraction `x` of turn `j`, cm from its root.
     fn s_at(&self, j: usize, x: f32, b: f32) -> f32 {
         let (turn, before) = (&self.laid[j], &self.laid[j.saturating_sub(1)]);
         turn.s + before.pitch * x + (turn.pitch - before.pitch) * blended(x, b).1
     }
 
-    /// For each point the source's CV before it and the fraction of the way to the next.
+    /// For each point, the source's CV before it and the fraction toward the next.
     pub(crate) fn places(&self, rail: &Rail, b: f32) -> impl Iterator<Item = (u32, f32)> {
         let mut cursor = 0;
         self.marks
@@ -719,8 +718,8 @@ impl Winder {
             .map(move |mark| rail.at(&mut cursor, self.s_at(mark.turn as usize, mark.x, b)).place)
     }
 
-    /// For each point whether the curl might come near what `clear` says about a ball (its middle and radius, cm): asked once
-    /// a turn.
+    /// For each point, whether the curl may come near what `clear` reports for a ball (centre and radius, cm): queried
+    /// once per turn.
     pub(crate) fn near(
         &self,
         rail: &Rail,
@@ -745,13 +744,13 @@ impl Winder {
         }
     }
 
-    /// Where the turn that a point of the curl lies on ends, cm from the source's root.
+    /// Where the turn of a given point ends, cm from the source's root.
     pub(crate) fn end_of_turn(&self, point: usize) -> f32 {
         let turn = self.marks.get(point).map_or(0, |mark| mark.turn as usize);
         self.laid.get(turn + 1).or(self.laid.last()).map_or(0.0, |next| next.s)
     }
 
-    /// The fraction of turn `j` at which it has come to `s` along the source.
+    /// The fraction of turn `j` at which it reaches `s` along the source.
     fn x_at(&self, j: usize, s: f32, b: f32) -> f32 {
         let (turn, next) = (&self.laid[j], &self.laid[j + 1]);
         let before = &self.laid[j.saturating_sub(1)];
@@ -774,14 +773,14 @@ fn way(from: Vec3, to: Vec3) -> (Vec3, f32) {
     (if far > 0.0 { step / far } else { Vec3::ZERO }, far)
 }
 
-/// Arc over a chord of `far` cm: longer than the chord by as much as the way turned since the last chord.
+/// Arc over a chord of `far` cm: longer than the chord depending on the turn since the last chord.
 #[inline(always)]
 fn arc(far: f32, way: Vec3, last: &Mark) -> f32 {
     if last.way == Vec3::ZERO { far } else { far * (1.0 + way.distance_squared(last.way) / 24.0) }
 }
 
-/// Arc length of the spline through even points, cm: each span by Simpson's rule, which is half a per cent off where few
-/// points turn far from one to the next. These few are measured as the spline that they are.
+/// Arc length of the spline through evenly spaced points, cm: each span by Simpson's rule, which is half a percent off
+/// where few points turn sharply. These few are measured exactly on the spline.
 pub(crate) fn arc_length(points: &[Vec3]) -> f32 {
     if points.len() < FEW
         && let Ok(spline) = Spline::new(points)
@@ -800,10 +799,10 @@ pub(crate) fn arc_length(points: &[Vec3]) -> f32 {
     sum / 6.0
 }
 
-/// What decides how far apart the CVs of one curl are.
+/// What sets the spacing of the CVs of one curl.
 struct Spacing {
     detail: Detail,
-    /// cm of curl on a turn of full size.
+    /// Length of curl on a turn of full size, cm.
     turn: f32,
 }
 
@@ -814,7 +813,7 @@ impl Spacing {
         Self { detail: pattern.detail, turn: turn.max(1e-6) }
     }
 
-    /// Length of a turn on the curl, and the spacing of CVs on it, cm.
+    /// Length of a turn along the curl, and the spacing of CVs on it, cm.
     fn of(
         &self,
         pattern: &Pattern,
@@ -830,7 +829,8 @@ impl Spacing {
         let length = (pitch * pitch + around * around).sqrt();
         let on_turn = match self.detail {
             Detail::PerTurn(cvs) => cvs * length / self.turn,
-            // A chord of c over a bend of radius r lies c^2 / 8 r off it; r by the acceleration of the shape.
+            // A chord of c over a bend of radius r lies c^2 / 8 r off it; r follows from the acceleration of the
+            // profile.
             Detail::Tolerance(share) => {
                 let bend = a.bend.max(b.bend) * size;
                 std::f32::consts::TAU * (bend / (8.0 * share * radius.max(1e-6))).sqrt()
@@ -840,7 +840,7 @@ impl Spacing {
     }
 }
 
-/// Which share of its size and pitch a turn has that the sponge at the root holds: half at the root.
+/// Fraction of its size and pitch of a turn inside the sponge at the root: half at the root.
 fn young(s: f32, sponge: f32) -> f32 {
     if s >= sponge {
         return 1.0;
@@ -849,12 +849,12 @@ fn young(s: f32, sponge: f32) -> f32 {
     0.5 + 0.5 * y * y * (3.0 - 2.0 * y)
 }
 
-/// Which share of a clump's hairs leaves it at each turn, by how defined it is: none at 1, a tenth at a half, all at 0.
+/// Fraction of a clump's hairs that leaves it at each turn, by definition: none at 1, a tenth at a half, all at 0.
 fn leaving(definition: f32) -> f32 {
     (0.1 * (1.0 - definition) / definition.max(1e-3)).min(1.0)
 }
 
-/// How much of its size the curl has at `s`: none up to `start`, all from `start + rise` on. Always none at the root.
+/// Fraction of its size that the curl has at `s`: 0 up to `start`, 1 from `start + rise` on. Always 0 at the root.
 #[inline]
 fn envelope(s: f32, start: f32, rise: f32) -> f32 {
     let x = s - start;

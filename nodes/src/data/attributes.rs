@@ -13,9 +13,9 @@ pub type Name = Cow<'static, str>;
 /// What a column has one value for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Domain {
-    /// One value a curve.
+    /// One value per curve.
     Curve,
-    /// One value a point (CV).
+    /// One value per point (CV).
     Point,
 }
 
@@ -185,11 +185,12 @@ macro_rules! declare {
     };
 }
 
-/// Shares of a hair between which its [`CURL_DIAMETER`] holds: curls grow from the root on and open towards the tip.
+/// Shares of a hair between which its [`CURL_DIAMETER`] holds: curls grow from the root on and open toward the tip.
 pub const CURL_MIDDLE: [f32; 2] = [0.3, 0.9];
 
 declare! {
-    /// Stable id of the curve: 64-bit hash of its parent's id, the maker's seed tag and its index. 0: none.
+    /// Stable id of the curve: 64-bit hash of its parent's id, the seed of the node that made it, and its index. 0:
+    /// none.
     ID: u64 = "id", 0;
     /// Id of the curve it was made from. 0: none.
     PARENT: u64 = "parent", 0;
@@ -197,77 +198,78 @@ declare! {
     ROOT_TRIANGLE: i32 = "root_triangle", -1;
     /// Barycentric coordinates of the root: weights of the triangle's second and third corner.
     ROOT_BARY: Vec2 = "root_bary", Vec2::ZERO;
-    /// Texture coordinates of the scalp under the root.
+    /// Texture coordinates of the scalp at the root.
     ROOT_UV: Vec2 = "root_uv", Vec2::ZERO;
-    /// Normal of the scalp nearest to the point (or to the root). Unit; zero: not known.
+    /// Scalp normal closest to the point (or to the root). Unit; zero: unknown.
     SCALP_NORMAL: Vec3 = "scalp_normal", Vec3::ZERO;
-    /// Radius of a cluster's or braid strand's cross-section, cm.
+    /// Radius of the cross-section of a cluster or braid strand, cm.
     RADIUS: f32 = "radius", 1.0;
     /// Diameter of a hair, cm.
     WIDTH: f32 = "width", 0.008;
-    /// Turn of what is laid along the curve about it, degrees, running sum from the root.
+    /// Rotation about the curve of what follows it, degrees, accumulated from the root.
     ROLL: f32 = "roll", 0.0;
-    /// How much strands differ from their cluster, 0 to 1.
+    /// How far strands wander from their cluster, 0 to 1.
     FRIZZ: f32 = "frizz", 0.0;
     /// How densely a cluster is filled, 0 to 1.
     DENSITY: f32 = "density", 0.5;
-    /// 1 for a CV that a hairpin locks in its place, 0 for one that is free.
+    /// 1 for a CV held in place by a hairpin, 0 for a free one.
     PINNED: i32 = "pinned", 0;
-    /// Normal, out of the hair, of the plane through a cluster's tip in which its strands end. Unit; zero: they end as they are.
+    /// Normal, pointing out of the hair, of the plane through a cluster's tip that cuts its strands. Unit; zero: not
+    /// cut.
     CUT: Vec3 = "cut", Vec3::ZERO;
     /// Colour, linear Rec.709.
     COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
-    /// How deep under the skin the curve may go, cm.
+    /// Depth below the skin that the curve may reach, cm.
     ALLOW_DEPTH: f32 = "allow_depth", 0.0;
-    /// Normal of the frame across the curve at each point. Unit; zero: not known.
+    /// Normal of the curve's frame at each point. Unit; zero: unknown.
     NORMAL: Vec3 = "normal", Vec3::ZERO;
-    /// Id of the braid a strand, stitch or hair belongs to. 0: none.
+    /// Id of the braid that a strand, stitch or hair belongs to. 0: none.
     BRAID: u64 = "braid", 0;
-    /// Front of the braid where this hair joins it. Unit; zero: not known.
+    /// Direction that the front of the braid faces where this hair joins it. Unit; zero: unknown.
     BRAID_FRONT: Vec3 = "braid_front", Vec3::ZERO;
-    /// Fraction of the source's arc length at which a braid is tied: what lies beyond is its tuft.
+    /// Fraction of the source's arc length at which a braid is tied; the end tuft lies beyond it.
     TIED: f32 = "tied", 1.0;
-    /// Number of the strand within its braid, from 0.
+    /// Index of the strand within its braid, from 0.
     STRAND: i32 = "strand", 0;
-    /// Where a braid strand stands in its cycle at the root, 0 to 1.
+    /// Position of a braid strand in its cycle at the root, 0 to 1.
     PHASE: f32 = "phase", 0.0;
-    /// Fraction of the source's arc length at which a point lies, 0 to 1.
+    /// Position of a point along the source, as a fraction of arc length, 0 to 1.
     ALONG: f32 = "along", 0.0;
     /// Side of the source: -1 left, 1 right (seen along the curve, normal up).
     SIDE: i32 = "side", 0;
-    /// Number of the group a curve belongs to, such as the stitch that parting hairs run to.
+    /// Index of the curve's group, such as the stitch that hair from a parting runs to.
     GROUP: i32 = "group", 0;
-    /// Arc length before shortening or coiling, cm; 0: as it is.
+    /// Arc length before shortening or coiling, cm; 0: unchanged.
     FIBRE: f32 = "fibre_length", 0.0;
-    /// How far the root lies from where it was drawn, when that is carried over to this head, cm.
+    /// Distance of the root from where it was drawn, after the drawing is transferred to this head, cm.
     DRIFT: f32 = "drift", 0.0;
     /// Id of the section of the scalp, between partings, that the root lies in. 0: none.
     SECTION: u64 = "section", 0;
     /// Id of the parting that a curve on the scalp is a piece of. 0: none.
     PARTING: u64 = "parting", 0;
-    /// Number of the stitch at which a hair joins its braid, from 0; -1: it joins none.
+    /// Index of the stitch at which a hair joins its braid, from 0; -1: none.
     STITCH: i32 = "stitch", -1;
-    /// 1 for extension hair that was fed into a braid, 0 for hair that grows.
+    /// 1 for extension hair fed into a braid, 0 for hair that grows.
     FED: i32 = "fed", 0;
-    /// Diameter asked of the curl of this hair over its middle, from 0.3 to 0.9 of its length, cm; 0: not curled.
+    /// Requested curl diameter in the middle of this hair, from 0.3 to 0.9 of its length, cm; 0: not curled.
     CURL_DIAMETER: f32 = "curl_diameter", 0.0;
-    /// Length of the source that one turn of this hair's curl was asked to take in the mean, cm; 0: not curled.
+    /// Requested mean length of the source curve per turn, cm; 0: not curled.
     CURL_PITCH: f32 = "curl_pitch", 0.0;
-    /// Share by which the hair's span is shorter than the hair, 0 to 1.
+    /// Fraction by which the hair's span is shorter than the hair, 0 to 1.
     SHRINKAGE: f32 = "shrinkage", 0.0;
     /// Id of the puff, bun or tail that a hair belongs to. 0: none.
     PUFF: u64 = "puff", 0;
-    /// Middle of the outline that the tips of a puff lie on, cm.
+    /// Centre of the outline that the tips of a puff lie on, cm.
     PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO;
-    /// Distance from a puff's middle to its outline where this hair ends, cm; 0: it has none.
+    /// Distance from the puff's centre to its outline at the end of this hair, cm; 0: none.
     PUFF_RADIUS: f32 = "puff_radius", 0.0;
-    /// Angle from the top of a puff down to which its tips were asked to reach, degrees; 0: not known.
+    /// Requested angle from the top of a puff down to which its tips reach, degrees; 0: unknown.
     PUFF_COVERAGE: f32 = "puff_coverage", 0.0;
-    /// What was asked of a puff's outline: by how much deeper the innermost tips end than the outermost, as a share of the radius;
-    /// how far tips may lie beside it, cm; and the share of hairs that may stand over it.
+    /// Requested roughness of a puff's outline: how much deeper the innermost tips end than the outermost, as a
+    /// fraction of the radius; how far tips may lie off the outline, cm; and the fraction of hairs that may stick out.
     PUFF_EDGE: Vec3 = "puff_edge", Vec3::ZERO;
-    /// Middle of the ring in which the tie that holds this hair lets it go, cm.
+    /// Centre of the ring where hair leaves the tie that holds it, cm.
     TIE: Vec3 = "tie", Vec3::ZERO;
-    /// Radius of that ring, cm; 0: the hair is held by no tie.
+    /// Radius of that ring, cm; 0: no tie holds the hair.
     TIE_RADIUS: f32 = "tie_radius", 0.0;
 }

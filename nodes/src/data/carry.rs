@@ -1,15 +1,16 @@
-//! The map that carries a groom from the head that it was made on, its home, to another one: smooth, and landmarks meet.
+//! The map that transfers a groom from its home head to another head: smooth, and exact at landmarks.
 //!
-//! Displacements at landmarks are interpolated by radial functions and an affine part: Hardy's multiquadric (J. Geophys. Res. 76,
-//! 1971; conditionally positive definite of order 1: Micchelli, Constr. Approx. 2, 1986), which is a biharmonic spline with its
-//! cones rounded. The affine part has a small weight, so that landmarks in one plane, or few, turn and stretch nothing that they say nothing of.
-//! Both sides are head units in each head's own frame. Of two heads one map is made, from the one whose landmarks lie farther out; the
-//! other way is that one backwards, so that a groom carried there and back is where it was.
+//! Displacements at landmarks are interpolated by radial basis functions plus an affine part. The basis is Hardy's
+//! multiquadric (J. Geophys. Res. 76, 1971; conditionally positive definite of order 1: Micchelli, Constr. Approx. 2,
+//! 1986), a biharmonic spline with rounded cones. The affine part has a small weight, so that few or coplanar landmarks
+//! do not rotate or stretch directions they say nothing about. Both sides are in head units of each head's own frame.
+//! Each pair of heads has one map, built from the head whose landmarks lie farther out; the other direction is its
+//! inverse, so that a groom transferred there and back is unchanged.
 //!
-//! Guarantees: landmarks meet to 1e-5; smooth everywhere; an affine change of landmarks is kept (to 1e-4 of it); on every place about
-//! the cranium it keeps its sense, shrinks nothing below [`LEAST`] and moves nothing farther than two radii, else less of it is taken
-//! ([`Carry::part`]). Never NaN.
-//! Not promised: that far from the head, where hair hangs, it is more than its affine part.
+//! Guarantees: landmarks meet to 1e-5; smooth everywhere; an affine change of landmarks is reproduced (to 1e-4 of it).
+//! Everywhere around the cranium the map keeps orientation, shrinks no length below [`LEAST`] and moves nothing farther
+//! than two radii; otherwise less of it is applied ([`Carry::part`]). Never NaN. Not promised: anything beyond the
+//! affine part far from the head, where hair hangs.
 
 use super::landmarks::{Landmark, Landmarks};
 use super::scalp::HEAD_RADIUS;
@@ -17,53 +18,54 @@ use crate::maths::hash::KeyBuilder;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{DMat3, DVec3, Vec3};
 
-/// So far (radii) from a landmark its function is round: about half the way to the next one.
+/// Radius (in cranium radii) within which a landmark's basis function is rounded: about half the distance to the next
+/// landmark.
 const ROUND: f64 = 0.45;
-/// Weight of the affine part: what landmarks that lie in a plane to a hundredth of the radius would say of it counts half.
+/// Weight of the affine part: directions in which landmarks are planar to a hundredth of the radius count half.
 const STIFF: f64 = 1e-4;
-/// Landmarks nearer to each other than this (head units) are one.
+/// Landmarks closer together than this (head units) count as one.
 const NEAR: f32 = 0.2;
-/// No length becomes shorter than this part of it, nor longer than its inverse.
+/// No length shrinks below this fraction of itself, or grows beyond its inverse.
 pub const LEAST: f64 = 0.2;
-/// Nothing about the cranium is moved farther than this, radii.
+/// Nothing around the cranium moves farther than this, in radii.
 const FARTHEST: f64 = 2.0;
-/// So many steps lead from all of the map to none.
+/// Number of steps from the whole map down to none.
 const STEPS: u32 = 50;
-/// The map is looked at in so many directions from the centre, this far (radii) ...
+/// The map is checked in this many directions from the centre, at these distances (radii) ...
 const LOOKS: u32 = 600;
 const SHELLS: [f64; 3] = [0.75, 1.05, 1.4];
-/// ... but not farther below the centre than this, where necks are and no hair.
+/// ... but no farther below the centre than this, where there are necks and no hair.
 const LOW: f64 = -1.2;
-/// A way back is found to this (radii), or to as near as so many steps come.
+/// Tolerance of the inverse (radii), within the allowed number of steps.
 const FOUND: f64 = 1e-9;
 const MOST_STEPS: usize = 40;
 
 /// A map from one head's units to another's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carry {
-    /// Landmarks of the home, radii, each with the weight of its function.
+    /// Landmarks of the home head, in radii, each with the weight of its basis function.
     marks: Vec<(DVec3, DVec3)>,
     shift: DVec3,
     slope: DMat3,
     part: f64,
-    /// The map leads from here to the home, and is walked backwards.
+    /// The stored map leads from this head to the home head; it is applied inverted.
     turned: bool,
 }
 
-/// What there is to say of a map.
+/// What there is to report about a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Told {
-    /// The landmarks that both heads have and the map goes by.
+    /// Landmarks that both heads have and the map uses.
     pub met: Vec<Landmark>,
-    /// Those left out, for they lie on another one.
+    /// Landmarks left out because they coincide with another one.
     pub left_out: Vec<Landmark>,
-    /// The farthest that a landmark is missed, head units: 0 where all of the map is taken.
+    /// The landmark missed by the most, and by how much in head units: 0 if the whole map is applied.
     pub missed: Option<(Landmark, f32)>,
 }
 
 impl Carry {
-    /// The map that takes the landmarks of `home` to those of `here`; none where both are the same, or have none in common, or where
-    /// no part of the map is sound. With what there is to say.
+    /// The map that takes the landmarks of `home` to those of `here`; `None` if both are equal or have none in common,
+    /// or if no part of the map is sound. Also what there is to report.
     pub fn between(home: &Landmarks, here: &Landmarks) -> (Option<Self>, Told) {
         let mut told = Told::default();
         if home.same(here) {
@@ -103,7 +105,7 @@ impl Carry {
         (sound.map(|_| map), told)
     }
 
-    /// Through all of these, each from and to, in radii; none where there are none.
+    /// Interpolates these pairs (from, to), in radii; `None` if there are none.
     fn through(pairs: &[(DVec3, DVec3)]) -> Option<Self> {
         let n = pairs.len();
         if n == 0 {
@@ -137,17 +139,17 @@ impl Carry {
         (is_finite && sound(&map.shift) && map.slope.is_finite()).then_some(map)
     }
 
-    /// How much of the map is taken, 0 to 1: all of it, but where that would fold.
+    /// How much of the map is applied, 0 to 1: less than 1 only where the whole map would fold.
     pub fn part(&self) -> f32 {
         self.part as f32
     }
 
-    /// Where a place of the home lies on this head; both in head units.
+    /// The position on this head of a position on the home head; both in head units.
     pub fn at(&self, p: Vec3) -> Vec3 {
         self.walked(p, self.turned)
     }
 
-    /// Which place of the home lies there on this head: what [`Self::at`] takes back to it.
+    /// The inverse of [`Self::at`]: the position on the home head of a position on this head.
     pub fn back(&self, q: Vec3) -> Vec3 {
         self.walked(q, !self.turned)
     }
@@ -160,7 +162,7 @@ impl Carry {
         }
     }
 
-    /// What [`Self::moved`] takes there.
+    /// The inverse of [`Self::moved`].
     fn found(&self, to: DVec3) -> DVec3 {
         let mut p = to - (self.moved(to) - to);
         let mut off = self.moved(p) - to;
@@ -181,8 +183,8 @@ impl Carry {
         p
     }
 
-    /// How much the map stretches at a place of the home, least first: its singular values. The first is negative where the map
-    /// turns inside out.
+    /// Singular values of the map at a position on the home head, smallest first: how much it stretches. The first is
+    /// negative where the map turns inside out.
     pub fn stretch(&self, p: Vec3) -> [f32; 3] {
         let all = match self.turned {
             false => stretches(self.slopes(radii(p))),
@@ -195,7 +197,7 @@ impl Carry {
         all.map(|x| x as f32)
     }
 
-    /// Adds what the map is to a key.
+    /// Adds the map to a key.
     pub(crate) fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
         let ends = [self.shift, self.slope.x_axis, self.slope.y_axis, self.slope.z_axis];
         let all = self.marks.iter().flat_map(|(at, weight)| [*at, *weight]).chain(ends);
@@ -220,7 +222,7 @@ impl Carry {
         DMat3::IDENTITY + sum * self.part
     }
 
-    /// Whether it folds, or nearly does, or leads far away, anywhere about the cranium.
+    /// Whether the map folds, nearly folds, or moves too far, anywhere around the cranium.
     fn folds(&self) -> bool {
         let directions = (0..LOOKS).map(|k| {
             let up = 1.0 - (2 * k + 1) as f32 / LOOKS as f32;
@@ -230,7 +232,7 @@ impl Carry {
         });
         let places = directions.flat_map(|way| SHELLS.map(|far| way * far));
         let mut places = places.filter(|p| p.y > LOW).chain(self.marks.iter().map(|mark| mark.0));
-        // Written so that what is no number folds.
+        // Written so that NaN counts as folding.
         let is_sound = |p: DVec3| {
             let [least, _, most] = stretches(self.slopes(p));
             least >= LEAST && most <= 1.0 / LEAST && self.moved(p).distance(p) <= FARTHEST
@@ -247,12 +249,13 @@ fn units(p: DVec3) -> Vec3 {
     (p * f64::from(HEAD_RADIUS)).as_vec3()
 }
 
-/// The function of a landmark that lies so far off.
+/// The basis function at this offset from a landmark.
 fn round(off: DVec3) -> f64 {
     -(off.length_squared() + ROUND * ROUND).sqrt()
 }
 
-/// The unknowns of a system whose rows end in three right sides, by elimination with pivots; none where it does not determine them.
+/// Solves a linear system whose rows end in three right-hand sides, by elimination with pivoting; `None` if it is
+/// singular.
 fn solve(mut rows: Vec<Vec<f64>>) -> Option<Vec<[f64; 3]>> {
     let n = rows.len();
     for i in 0..n {
@@ -278,7 +281,8 @@ fn solve(mut rows: Vec<Vec<f64>>) -> Option<Vec<[f64; 3]>> {
     Some(out)
 }
 
-/// The singular values of a matrix, least first, the least with the sign of its determinant: by Jacobi's rotations of its square.
+/// Singular values of a matrix, smallest first, the smallest with the sign of the determinant: Jacobi rotations of its
+/// square.
 fn stretches(m: DMat3) -> [f64; 3] {
     let mut a = (m.transpose() * m).to_cols_array_2d();
     for _ in 0..8 {
@@ -314,14 +318,14 @@ mod tests {
     use super::*;
     use crate::maths::hash::Dice;
 
-    /// Landmarks of a head much like the built-in one.
+    /// Landmarks of a head similar to the built-in one.
     fn usual() -> Landmarks {
         let text = "front 0 3.8 8.9; nape 0 -6.9 -7.2; left temple 6.8 1.2 4.7; right temple -6.8 1.2 4.7; \
                     left ear 7.6 -1.9 -1.9; right ear -7.6 -1.9 -1.9; crown 0 8.2 -3.8; chin 0 -12 9.2";
         Landmarks::parse(text).0
     }
 
-    /// Those, each moved by at most so much along each axis.
+    /// The same, each moved by at most this much along each axis.
     fn shaken(id: u64, by: f32) -> Landmarks {
         let dice = Dice::new(7, 0, "carry");
         let mut out = usual();
@@ -355,7 +359,7 @@ mod tests {
             for place in 0..20 {
                 let p = about(id * 20 + place);
                 let back = map.back(map.at(p));
-                // Deep in the neck the map may fold, for no hair is there.
+                // Deep in the neck the map may fold, since no hair is there.
                 assert!(
                     back.distance(p) < 1e-4 || p.length() > 10.0 && p.y < -5.0 || p.length() < 6.0,
                     "{id} {p} {back}"

@@ -1,13 +1,14 @@
-//! The scalp as a flat map, for what lives on it as in a plane: partings and the sections between them.
+//! The scalp as a flat map, for everything planar on it: partings and the sections between them.
 //!
-//! A point of the scalp is told by its direction from the middle of the cranium, and directions are laid out by Lambert's
-//! equal-area projection about an axis that leans back from the crown, so that forehead and nape are equally far from the
-//! middle. No transcendental is needed either way. What is known of the region (where hair grows, how far out the skin is,
-//! how many cm2) stands in a fine grid.
+//! A point of the scalp is represented by its direction from the centre of the cranium, and directions are projected by
+//! Lambert's azimuthal equal-area projection. Its axis leans back from the crown, so that forehead and nape are equally
+//! far from the map's centre. Neither direction of the projection needs a transcendental. A fine grid holds what is
+//! known of the region: where hair grows, how far out the skin is, and its area in cm2.
 //!
-//! Guarantees: equal areas of directions have equal areas on the map; a point of the region comes back to within the flatness
-//! of the mesh's triangles. Of several layers the innermost that faces outwards counts: the skull behind an ear, not the ear. Not
-//! promised: anything on a mesh whose region cannot be seen from one point within it (that of a whole animal).
+//! Guarantees: equal solid angles have equal areas on the map; a point of the region returns to itself within the
+//! flatness of the mesh's triangles. Of several layers, the innermost that faces outward counts: the skull behind an
+//! ear, not the ear. Not promised: anything on a mesh whose region is not visible from one point inside it, such as a
+//! whole animal.
 
 use super::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::closest::Surface;
@@ -15,53 +16,53 @@ use glam::{Vec2, Vec3};
 
 /// Cells along a side of the grid.
 pub const CELLS: usize = 304;
-/// The map reaches this far from its middle (a whole sphere has a radius of 2); 1.9 is 143 degrees.
+/// The map reaches this far from its centre (a whole sphere has a radius of 2); 1.9 is 143 degrees.
 const REACH: f32 = 1.9;
-/// Side of a cell in units of the map: 1.1 mm on a cranium of 8.9 cm.
+/// Side of a cell in map units: 1.1 mm on a cranium of 8.9 cm.
 pub const CELL: f32 = 2.0 * REACH / CELLS as f32;
-/// How the axis leans back from the crown: sine and cosine of 35 degrees.
+/// Backward lean of the axis from the crown: sine and cosine of 35 degrees.
 const LEAN: (f32, f32) = (0.573_576_4, 0.819_152);
-/// Cosine of the angle between the skin's normal and the way from the middle of the cranium beyond which it is no scalp: 72
-/// degrees, where no cranium is so steep.
+/// Smallest cosine between the skin's normal and the direction from the cranium's centre that still counts as scalp: 72
+/// degrees, steeper than any cranium.
 const ON_EDGE: f32 = 0.3;
-/// How much farther out or in the skin may be beside the middle of a cell, cm: it stands on edge beside an ear.
+/// How much farther out or in the skin may be next to a cell's centre, cm: it is steep beside an ear.
 const SLOPE: f32 = 0.8;
-/// Triangles that are larger than this on the map (those about the point opposite its middle) are left out.
+/// Triangles larger than this on the map (those around the antipode of its centre) are left out.
 const TOO_WIDE: f32 = 0.7;
 
 /// The map of one scalp.
 pub struct Chart {
     spread: Spread,
-    /// What lies under the middle of each cell, row by row from the nape.
+    /// The skin under the centre of each cell, row by row from the nape.
     spots: Vec<Spot>,
 }
 
-/// How directions are laid out.
+/// The projection of directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Spread {
     origin: Vec3,
-    /// To the picture's right, to its top (the forehead), and out of it.
+    /// Right and top (the forehead) of the map, and its normal.
     axes: [Vec3; 3],
 }
 
 impl Spread {
-    /// Where a point lies on the map.
+    /// Position of a point on the map.
     #[inline]
     pub fn flat(&self, p: Vec3) -> Vec2 {
         self.flat_direction(p - self.origin)
     }
-    /// How far a point is from the middle of the cranium, cm.
+    /// Distance of a point from the centre of the cranium, cm.
     #[inline]
     pub fn out(&self, p: Vec3) -> f32 {
         p.distance(self.origin)
     }
-    /// Where a direction from the middle of the cranium lies on the map.
+    /// Position on the map of a direction from the centre of the cranium.
     #[inline]
     pub fn flat_direction(&self, d: Vec3) -> Vec2 {
         let [x, y, z] = self.axes.map(|axis| d.dot(axis));
         let square = x * x + y * y;
         let length = (square + z * z).sqrt().max(1e-9);
-        // Two ways to write the same, each where nothing cancels.
+        // Two equal formulas, each used where it does not cancel.
         let scale = if z >= 0.0 {
             2.0 / (length * (length + z))
         } else {
@@ -69,7 +70,7 @@ impl Spread {
         };
         Vec2::new(x, y) * scale.sqrt()
     }
-    /// The direction from the middle of the cranium that lies at `q` on the map. Unit.
+    /// The direction from the centre of the cranium at `q` on the map. Unit.
     pub fn direction(&self, q: Vec2) -> Vec3 {
         let q = q.clamp_length_max(1.999);
         let square = q.length_squared();
@@ -79,19 +80,19 @@ impl Spread {
     }
 }
 
-/// What lies under the middle of a cell.
+/// The skin under the centre of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot {
-    /// The point of the scalp, cm; outside the region a point of the cranium's sphere.
+    /// The point of the scalp, cm; outside the region, a point of the cranium's sphere.
     pub point: Vec3,
     /// Value of the region: 0 where no hair grows.
     pub grows: f32,
-    /// Square centimetres of skin in the cell; 0 outside the region.
+    /// Area of skin in the cell, cm2; 0 outside the region.
     pub area: f32,
 }
 
 impl Chart {
-    /// The map of a surface whose region has one value a vertex.
+    /// The map of a surface whose region has one value per vertex.
     pub fn new(surface: &Surface, frame: &HeadFrame, region: &[f32]) -> Self {
         let (sin, cos) = LEAN;
         let axis = frame.up * cos - frame.forward * sin;
@@ -119,7 +120,7 @@ impl Chart {
         let twice = (b - a).perp_dot(c - a);
         let [u, v] = [corners[1] - corners[0], corners[2] - corners[0]];
         let ratio = u.cross(v).length() / twice.abs();
-        // What faces the middle or stands on edge is part of something that stands off, such as an ear.
+        // Skin that faces the centre or stands on edge belongs to something that sticks out, such as an ear.
         let way = (corners[0] - self.spread.origin).normalize_or_zero();
         if u.cross(v).normalize_or_zero().dot(way) <= ON_EDGE {
             return;
@@ -139,7 +140,7 @@ impl Chart {
                 let s = (q - a).perp_dot(c - a) / twice;
                 let t = (b - a).perp_dot(q - a) / twice;
                 let r = 1.0 - s - t;
-                // A hair's breadth over the edges, so that no cell on one is missed.
+                // Slightly past the edges, so that no cell on an edge is missed.
                 if r.min(s).min(t) < -1e-4 {
                     continue;
                 }
@@ -154,42 +155,42 @@ impl Chart {
         }
     }
 
-    /// The cells' spots, row by row.
+    /// The skin under each cell, row by row.
     pub fn spots(&self) -> &[Spot] {
         &self.spots
     }
-    /// The middle of the cranium, cm.
+    /// The centre of the cranium, cm.
     pub fn origin(&self) -> Vec3 {
         self.spread.origin
     }
-    /// How directions are laid out.
+    /// The projection of directions.
     pub fn spread(&self) -> Spread {
         self.spread
     }
-    /// Where a point lies on the map.
+    /// Position of a point on the map.
     #[inline]
     pub fn flat(&self, p: Vec3) -> Vec2 {
         self.spread.flat(p)
     }
-    /// The direction from the middle of the cranium that lies at `q` on the map. Unit.
+    /// The direction from the centre of the cranium at `q` on the map. Unit.
     pub fn direction(&self, q: Vec2) -> Vec3 {
         self.spread.direction(q)
     }
-    /// Whether hair grows at a point of the map, by the cell that it lies in.
+    /// Whether hair grows at a point of the map, decided by its cell.
     pub fn grows(&self, q: Vec2) -> f32 {
         cell_of(q).map_or(0.0, |i| self.spots[i].grows)
     }
-    /// The point of the scalp at `q` on the map, bound to it: where the way from the middle of the cranium leaves the skin.
+    /// The root at `q` on the map: where the ray from the centre of the cranium leaves the skin.
     pub fn root(&self, scalp: &Scalp, q: Vec2) -> Option<Root> {
         let (way, surface) = (self.direction(q), scalp.surface());
-        // At the hairline the skin is as far out as beside it within.
+        // At the hairline the skin is as far out as in the adjacent cells inside it.
         let grown = |i: &usize| self.spots[*i].grows > 0.0;
         let known = cell_of(q).and_then(|i| {
             let near = std::iter::once(i).chain(around(i)).chain(around(i).flat_map(around));
             near.into_iter().find(grown).map(|i| self.out(i))
         });
         let radius = scalp.frame().radius;
-        // Beyond the region the outermost skin counts, far and wide.
+        // Outside the region the outermost skin counts, in a wide range.
         let (mut from, to) = match known {
             Some(out) => (out - SLOPE, out + SLOPE),
             None => (0.5 * radius, 2.0 * radius),
@@ -209,11 +210,11 @@ impl Chart {
             None => scalp.closest_root(self.spread.origin + way * known.unwrap_or(radius)),
         }
     }
-    /// How far from the middle of the cranium the skin is in a cell, cm.
+    /// Distance of the skin in a cell from the centre of the cranium, cm.
     pub fn out(&self, cell: usize) -> f32 {
         self.spots[cell].point.distance(self.spread.origin)
     }
-    /// Centimetres of skin that a step on the map is, near `q`.
+    /// Length of skin in cm that a step on the map covers, near `q`.
     pub fn stretch(&self, q: Vec2, step: Vec2) -> f32 {
         let out = cell_of(q).map_or(1.0, |i| self.out(i));
         let (a, b) = (self.direction(q - step * 0.5), self.direction(q + step * 0.5));
@@ -225,7 +226,7 @@ impl Chart {
     }
 }
 
-/// The cell in which a point of the map lies; none beyond its edge.
+/// The cell of a point of the map; `None` outside the map.
 #[inline]
 pub fn cell_of(q: Vec2) -> Option<usize> {
     let at = (q + REACH) / CELL;
@@ -233,14 +234,14 @@ pub fn cell_of(q: Vec2) -> Option<usize> {
     inside.then(|| at.y as usize * CELLS + at.x as usize)
 }
 
-/// The middle of a cell.
+/// The centre of a cell.
 #[inline]
 pub fn middle(cell: usize) -> Vec2 {
     let (x, y) = (cell % CELLS, cell / CELLS);
     (Vec2::new(x as f32, y as f32) + 0.5) * CELL - REACH
 }
 
-/// The up to eight cells around one, nearest first.
+/// The up to eight cells around a cell, nearest first.
 pub fn around(cell: usize) -> impl Iterator<Item = usize> {
     const WAYS: [(i32, i32); 8] =
         [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
@@ -252,8 +253,8 @@ pub fn around(cell: usize) -> impl Iterator<Item = usize> {
         .map(|(x, y)| y as usize * CELLS + x as usize)
 }
 
-/// Whether the pieces from `p` to `q` and from `a` to `b` cross. A piece's end counts to one side only, so that a line of
-/// pieces is crossed as often as it lies between.
+/// Whether the segments `p`-`q` and `a`-`b` cross. An end point counts for one side only, so that crossings of a
+/// polyline are counted once each.
 #[inline]
 pub fn cross(p: Vec2, q: Vec2, a: Vec2, b: Vec2) -> bool {
     let side = |from: Vec2, to: Vec2, x: Vec2| (to - from).perp_dot(x - from) >= 0.0;
@@ -279,7 +280,7 @@ mod tests {
             assert!(back.distance(p) < 0.01, "{p} {back}");
         }
         let area: f32 = chart.spots().iter().map(|s| s.area * s.grows).sum();
-        // Half the ball and the soft row of triangles at its edge.
+        // Half the ball, plus the soft row of triangles at its edge.
         let half = std::f32::consts::TAU * 8.9 * 8.9;
         assert!((area / half - 1.0).abs() < 0.05, "{area} {half}");
     }

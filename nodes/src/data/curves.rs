@@ -1,11 +1,11 @@
 //! Curves in tufts: the one type for guides, clusters, braids and hair.
 //!
-//! [`Curves`] is an ordered list of [`Tuft`]s; a tuft is up to 4,096 curves and 65,536 points made from
-//! one parent, flat in memory: points, offsets and named columns, each shared while nobody changes it.
-//! The tuft is the unit of parallel work, reuse, cancellation and upload.
+//! [`Curves`] is an ordered list of [`Tuft`]s. A tuft holds up to 4,096 curves and 65,536 points made from one parent,
+//! flat in memory: points, offsets and named columns, each shared until it is changed. The tuft is the unit of parallel
+//! work, reuse, cancellation and upload.
 //!
-//! **Invariant:** a tuft's key is the hash of its content. Two tufts with the same key hold the same
-//! hair, whoever made them, so work that would give the same again is never done downstream.
+//! **Invariant:** a tuft's key is the hash of its content. Two tufts with the same key hold the same hair, whoever made
+//!  them, so downstream work with the same result never runs twice.
 
 use super::attributes::{Attribute, Declared, Domain, Item, Name};
 use crate::maths::hash::{Key, KeyBuilder};
@@ -29,19 +29,19 @@ pub struct Tuft {
     attributes: Vec<Attribute>,
 }
 
-/// Values of one attribute in a tuft, whatever its domain, with the declared default behind it.
+/// Values of one attribute in a tuft, in any domain, with the declared default as fallback.
 #[derive(Clone, Copy, Debug)]
 pub enum View<'a, T> {
     /// One value for all.
     Shared(T),
-    /// One value a curve.
+    /// One value per curve.
     Curve(&'a [T]),
-    /// One value a point.
+    /// One value per point.
     Point(&'a [T]),
 }
 
 impl<T: Copy> View<'_, T> {
-    /// The value at point number `point` of the tuft, which is a point of curve number `curve`.
+    /// The value at point `point` of the tuft, which belongs to curve `curve`.
     #[inline]
     pub fn at(&self, curve: usize, point: usize) -> T {
         match self {
@@ -69,7 +69,7 @@ impl Tuft {
     pub fn points(&self) -> &[Vec3] {
         &self.points
     }
-    /// Where curve `i` lies in [`Self::points`].
+    /// Range of curve `i` in [`Self::points`].
     #[inline]
     pub fn range(&self, i: usize) -> Range<usize> {
         self.offsets[i] as usize..self.offsets[i + 1] as usize
@@ -87,17 +87,16 @@ impl Tuft {
     pub fn attributes(&self) -> &[Attribute] {
         &self.attributes
     }
-    /// The attribute of a name.
+    /// The attribute with this name.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         let at = self.attributes.binary_search_by(|a| a.name.as_ref().cmp(name)).ok()?;
         Some(&self.attributes[at])
     }
-    /// The values of a declared attribute; its default where the tuft has none (or one of another
-    /// type).
+    /// The values of a declared attribute, or its default if the tuft has none (or one of another type).
     pub fn view<T: Item>(&self, declared: Declared<T>) -> View<'_, T> {
         self.view_named(declared.name).unwrap_or(View::Shared(declared.default))
     }
-    /// The values of an attribute of any name, when it has this type.
+    /// The values of any named attribute, if it has this type.
     pub fn view_named<T: Item>(&self, name: &str) -> Option<View<'_, T>> {
         let attribute = self.attribute(name)?;
         let values = T::values(&attribute.values)?;
@@ -111,7 +110,7 @@ impl Tuft {
     pub fn id(&self, i: usize) -> u64 {
         self.view(super::attributes::ID).at(i, self.offsets[i] as usize)
     }
-    /// A builder with this tuft's content: what is not changed stays shared.
+    /// A builder with this tuft's content; unchanged parts stay shared.
     pub fn edit(&self) -> TuftBuilder {
         TuftBuilder {
             points: self.points.clone(),
@@ -137,7 +136,7 @@ impl Tuft {
         }
         out
     }
-    /// This tuft, or its parts where it is over the limits. One curve is never cut.
+    /// This tuft, or its parts if it exceeds the limits. A curve is never split.
     pub fn split(self) -> Vec<Arc<Tuft>> {
         if self.len() <= MOST_CURVES && self.points.len() <= MOST_POINTS {
             return vec![Arc::new(self)];
@@ -183,7 +182,7 @@ impl Tuft {
             + self.attributes.iter().map(|a| a.values.bytes().1.len() + 64).sum::<usize>()
             + size_of::<Self>()
     }
-    /// Tells where each buffer of it lies that other tufts may share, and the bytes that it holds.
+    /// Reports the address of each buffer that other tufts may share, and its size in bytes.
     pub fn buffers(&self, tell: &mut impl FnMut(usize, usize)) {
         let (points, offsets) = (&self.points, &self.offsets);
         tell(Arc::as_ptr(points) as usize, points.capacity() * size_of::<Vec3>());
@@ -193,13 +192,13 @@ impl Tuft {
             tell(at, bytes);
         }
     }
-    /// Bytes of it that no other tuft shares.
+    /// Bytes that no other tuft shares.
     pub fn own_bytes(&self) -> usize {
         size_of::<Self>() + self.attributes.capacity() * size_of::<Attribute>()
     }
 }
 
-/// A tuft while it is made.
+/// A tuft under construction.
 #[derive(Clone, Debug, Default)]
 pub struct TuftBuilder {
     points: Arc<Vec<Vec3>>,
@@ -212,7 +211,7 @@ impl TuftBuilder {
     pub fn new() -> Self {
         Self::default()
     }
-    /// A tuft of `curves` curves of `points` points each, whose points are filled in by the caller.
+    /// A tuft of these points, with `points_each` points per curve.
     pub fn even(points: Vec<Vec3>, points_each: usize) -> Self {
         let curves = points.len().checked_div(points_each).unwrap_or(0);
         let offsets = (0..=curves).map(|i| (i * points_each) as u32).collect();
@@ -239,22 +238,22 @@ impl TuftBuilder {
     pub fn points_mut(&mut self) -> &mut [Vec3] {
         Arc::make_mut(&mut self.points).as_mut_slice()
     }
-    /// Replaces all points by as many others.
+    /// Replaces all points by an equal number of others.
     ///
     /// # Panics
-    /// When the number differs, for that is a mistake in a node.
+    /// If the number differs: a bug in a node.
     pub fn set_points(&mut self, points: Vec<Vec3>) {
         assert_eq!(points.len(), self.points.len(), "as many points as before");
         self.points = Arc::new(points);
     }
-    /// Sets a declared attribute for all: one value, one for each curve, or one for each point.
+    /// Sets a declared attribute: one value for all, one per curve, or one per point.
     ///
     /// # Panics
-    /// When `values` has neither one value nor as many as the domain has items.
+    /// If `values` has neither one value nor one per item of the domain.
     pub fn set<T: Item>(&mut self, declared: Declared<T>, domain: Domain, values: Vec<T>) {
         self.set_named(Name::Borrowed(declared.name), domain, values);
     }
-    /// [`Self::set`] for a name that is not declared.
+    /// [`Self::set`] for an undeclared name.
     pub fn set_named<T: Item>(&mut self, name: Name, domain: Domain, values: Vec<T>) {
         let items = match domain {
             Domain::Curve => self.len(),
@@ -263,12 +262,12 @@ impl TuftBuilder {
         assert!(values.len() == items || values.len() == 1, "{name}: one value, or one an item");
         self.set_column(Attribute { name, domain, values: T::column(values) });
     }
-    /// Puts an attribute in place of one of the same name.
+    /// Adds an attribute, or replaces the one with the same name.
     pub fn set_column(&mut self, attribute: Attribute) {
         self.remove(&attribute.name);
         self.attributes.push(attribute);
     }
-    /// Takes an attribute away.
+    /// Removes an attribute.
     pub fn remove(&mut self, name: &str) {
         self.attributes.retain(|a| a.name != name);
     }
@@ -281,7 +280,7 @@ impl TuftBuilder {
         attributes.retain(|a| !a.values.is_empty());
         attributes.sort_by(|a, b| a.name.cmp(&b.name));
         let mut key = KeyBuilder::new("tuft").column(bytemuck::cast_slice::<_, f32>(&points));
-        // Curves of one length, the usual case, are told by two numbers.
+        // Curves of equal length, the usual case, are described by two numbers.
         let each = offsets.get(1).copied().unwrap_or(0);
         let even = offsets.iter().enumerate().all(|(i, o)| *o as usize == i * each as usize);
         key = if even {
@@ -311,7 +310,7 @@ impl Default for Curves {
 }
 
 impl Curves {
-    /// Curves of these tufts; empty ones are left out.
+    /// Curves from these tufts; empty ones are dropped.
     pub fn new(tufts: Vec<Arc<Tuft>>) -> Self {
         let tufts: Arc<[Arc<Tuft>]> = tufts.into_iter().filter(|t| !t.is_empty()).collect();
         let key = tufts.iter().fold(KeyBuilder::new("curves"), |key, t| key.key(t.key)).finish();
@@ -333,11 +332,11 @@ impl Curves {
     pub fn point_count(&self) -> usize {
         self.tufts.iter().map(|t| t.points.len()).sum()
     }
-    /// Every curve in order: its tuft and its number there.
+    /// Every curve in order: its tuft and its index there.
     pub fn each(&self) -> impl Iterator<Item = (&Tuft, usize)> {
         self.tufts.iter().flat_map(|t| (0..t.len()).map(move |i| (&**t, i)))
     }
-    /// Lowest and highest corner of the bounding box, cm; none without points.
+    /// Lowest and highest corner of the bounding box, cm; `None` without points.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let mut points = self.tufts.iter().flat_map(|t| t.points.iter().copied());
         let first = points.next()?;

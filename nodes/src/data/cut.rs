@@ -1,12 +1,13 @@
-//! How partings cut a scalp: cells of the map joined to sections, and what a braider would not braid given to its neighbour.
+//! How partings cut a scalp: cells of the map are joined to sections, and slivers that nobody would braid go to a
+//! neighbour.
 //!
-//! Cells are joined where the way between their middles crosses no parting and keeps off the lines: through a neck as narrow as a
-//! parting's bare skin no hair is drawn. A piece between lines of a pattern that is much
-//! narrower than the others goes to the neighbour that it shares most of its border with; then the lines of patterns are left out
-//! wherever the same section lies on both sides of them. Lines that somebody drew are never left out.
+//! Two cells are joined if the segment between their centres crosses no parting and stays off the lines; no hair is
+//! drawn through a neck as narrow as a parting's bare skin. A piece between pattern lines that is much narrower than
+//! the others goes to the neighbour with which it shares most of its border. Pattern lines are then dropped where the
+//! same section lies on both sides. Drawn lines are never dropped.
 //!
-//! Guarantees: numbers run from front to back; the same cuts whatever is cut elsewhere, but for what counts as narrow, which hangs
-//! from the middle width of all. Not promised: sections narrower than a cell (1.1 mm).
+//! Guarantees: sections are numbered from front to back; cuts do not depend on cuts elsewhere, except for the threshold
+//! of narrowness, which derives from the median width of all. Not promised: sections narrower than a cell (1.1 mm).
 
 use super::chart::{CELL, CELLS, around, cell_of, cross, middle};
 use super::footprint::{Digests, block_of, read_cell};
@@ -17,49 +18,50 @@ use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{IVec2, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is smaller is no section, cm2: the box of a micro braid is twice that.
+/// Smallest area of a section, cm2: the box of a micro braid has twice that.
 const LEAST: f32 = 0.12;
-/// Nor is a speck beside an ear, as small as this and of so small a share of the middle section's area.
+/// A speck beside an ear is not a section either: at most this small, and at most this fraction of the median section's
+/// area.
 const SPECK: (f32, f32) = (0.3, 0.06);
-/// What is narrower than this share of the middle section goes to its neighbour. Width is twice the area over the border's
-/// length: half the side of a square, half the width of a strip.
+/// A piece narrower than this fraction of the median section goes to its neighbour. Width is twice the area over the
+/// length of the border: half the side of a square, half the width of a strip.
 const NARROW: f32 = 0.25;
-/// A cell is on a line that is nearer than half the line's width, but at least and at most so much, cm.
+/// A cell is on a line if it is nearer than half the line's width, clamped to these limits, cm.
 const BARE: (f32, f32) = (0.05, 0.2);
-/// Scalp that hangs together with no section but lies this near to one (cells) belongs to it: the ragged edge of a region.
+/// Scalp that is connected to no section but lies this near to one (cells) belongs to it: the ragged edge of a region.
 const RAGGED: usize = 8;
 
-/// A piece of a parting, on the map and on the scalp.
+/// A segment of a parting, on the map and on the scalp.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub(super) flat: [Vec2; 2],
     pub(super) ends: [Vec3; 2],
-    /// The way off the scalp.
+    /// Direction off the scalp.
     up: Vec3,
-    /// Half of its parting's width, cm.
+    /// Half the width of its parting, cm.
     pub(super) half_width: f32,
     pub(super) parting: u32,
     /// Fraction along its parting.
     pub(super) along: f32,
 }
 
-/// The pieces of all partings, found by cell.
+/// The segments of all partings, indexed by cell.
 pub(super) struct Lines {
     pub(super) pieces: Vec<Piece>,
-    /// Where each cell's pieces start in `listed`: those in the cell and in the cells around it.
+    /// Start of each cell's segments in `listed`: those in the cell and in the cells around it.
     starts: Vec<u32>,
     listed: Vec<u32>,
-    /// The piece nearest to each cell's middle, or [`NONE`], and how far it is, cm.
+    /// The segment nearest to each cell's centre, or [`NONE`], and its distance, cm.
     pub(super) nearest: Vec<u32>,
     pub(super) clear: Vec<f32>,
-    /// Pieces by where they lie in space, for what lies near one and not beside it on the map, as on an ear.
+    /// Segments indexed by position in space, for points that are near one in space but not on the map, as on an ear.
     places: Places,
 }
 
-/// The way off the scalp at each point of a line: the mean of the normals about it, the nearer the more. A fold that the line
-/// goes through has no side of its own.
+/// Direction off the scalp at each point of a line: the mean of the normals around it, weighted by proximity. A fold
+/// that the line crosses has no side of its own.
 pub(crate) fn off_the_scalp(scalp: &Scalp, line: &[Vec3]) -> Vec<Vec3> {
-    /// How far along the line they count, cm.
+    /// Distance along the line over which they count, cm.
     const REACH: f32 = 0.8;
     let normal = |p: &Vec3| scalp.closest_root(*p).map_or(Vec3::ZERO, |root| root.normal);
     let normals: Vec<Vec3> = line.iter().map(normal).collect();
@@ -76,8 +78,8 @@ pub(crate) fn off_the_scalp(scalp: &Scalp, line: &[Vec3]) -> Vec<Vec3> {
 }
 
 impl Piece {
-    /// Whether the straight way between two points leads over this piece, or comes as near to its two sides' border as the share
-    /// `near` of half its width.
+    /// Whether the straight segment between two points crosses this piece, or comes as near to the plane between its
+    /// sides as the fraction `near` of half its width.
     fn is_passed(&self, from: Vec3, to: Vec3, near: f32) -> bool {
         let near = near * self.half_width;
         let [a, b] = self.ends;
@@ -132,25 +134,26 @@ impl Lines {
         lines
     }
 
-    /// Half the width of the parting of a piece, cm; 0 for no piece.
+    /// Half the width of the parting of a segment, cm; 0 for none.
     pub(super) fn half_width(&self, piece: u32) -> f32 {
         self.pieces.get(piece as usize).map_or(0.0, |piece| piece.half_width)
     }
 
-    /// The pieces near a point of space: all that are within half a place of it, and a little more.
+    /// The segments near a point in space: all within half a place, and some slightly farther.
     pub(super) fn near_place(&self, p: Vec3) -> &[u32] {
         self.places.near(place_of(p, self.places.side))
     }
 
-    /// The last of the straight ways between `n` points of space that leads over a parting or as near to it as the share `aside` of
-    /// half its width, at most half a place off it; as the number of the point that it leads to.
+    /// The last of the segments between `n` points in space that crosses a parting, or comes as near to it as the
+    /// fraction `aside` of half its width, at most half a place off it; as the index of its end point.
     pub(super) fn last_passed(
         &self,
         n: usize,
         at: impl Fn(usize) -> Vec3,
         aside: f32,
     ) -> Option<usize> {
-        /// Ways that are looked at together: mostly no piece is near any of them. And how wide their box may be, places.
+        /// Number of segments tested together, since most are near no parting; and the largest size of their box, in
+        /// places.
         const TOGETHER: (usize, f32) = (12, 5.0);
         let passes = |from: Vec3, to: Vec3| {
             let parts = (from.distance(to) / (0.2 * PLACE)).ceil().clamp(1.0, 200.0);
@@ -184,20 +187,20 @@ impl Lines {
         None
     }
 
-    /// The pieces in a cell and in those around it.
+    /// The segments in a cell and in those around it.
     pub(super) fn near_cell(&self, cell: usize) -> &[u32] {
         read_cell(cell);
         &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
-    /// The pieces that the way between the middles of two neighbours crosses.
+    /// The segments that lie between the centres of two neighbours.
     fn between(&self, a: usize, b: usize) -> impl Iterator<Item = &Piece> {
         let (p, q) = (middle(a), middle(b));
         let pieces = self.near_cell(a).iter().map(|i| &self.pieces[*i as usize]);
         pieces.filter(move |piece| cross(p, q, piece.flat[0], piece.flat[1]))
     }
 
-    /// The label of the cell whose middle is reached from a point of the map without crossing a parting.
+    /// The label of a cell whose centre can be reached from a point of the map without crossing a parting.
     pub(super) fn label_at(&self, labels: &[u32], q: Vec2) -> Option<u32> {
         let own = cell_of(q)?;
         let pieces = self.near_cell(own);
@@ -213,7 +216,7 @@ impl Lines {
         reached(own).or_else(|| around(own).find_map(reached))
     }
 
-    /// Finds the nearest piece to every cell: each hands its own on to its neighbours, there and back.
+    /// Finds the nearest segment to every cell: each cell passes its own on to its neighbours, forward and back.
     fn near(&mut self, scalp: &Scalp) {
         let spots = scalp.chart().spots();
         let mut best = vec![(FAR * FAR, NONE); CELLS * CELLS];
@@ -250,8 +253,8 @@ impl Lines {
         self.nearest = best.into_iter().map(|(_, i)| i).collect();
     }
 
-    /// What these lines and the sections with these ids say in each part of the map and of space: all that queries of a cell, with
-    /// those around it, and of a place can find.
+    /// Digests of these lines and of the sections with these ids, for each part of the map and of space: everything
+    /// that queries of a cell, with its neighbours, and of a place can find.
     pub(super) fn digests(&self, labels: &[u32], ids: impl Fn(u32) -> u64, widest: f32) -> Digests {
         let piece = |piece: &Piece| {
             let Piece { flat, ends, up, half_width, .. } = piece;
@@ -294,18 +297,18 @@ impl Lines {
     }
 }
 
-/// A scalp cut.
+/// A cut scalp.
 pub(super) struct Cut {
     pub(super) partings: Vec<Parting>,
     pub(super) lines: Lines,
-    /// Number of each cell's section, or [`NONE`].
+    /// Index of each cell's section, or [`NONE`].
     pub(super) labels: Vec<u32>,
     /// How many pieces between drawn lines are too small to be sections.
     pub(super) slivers: usize,
 }
 
 impl Cut {
-    /// What another cut says of the map: its lines, and the section under each cell.
+    /// The map according to another cut: its lines, and the section under each cell.
     pub(super) fn told(
         scalp: &Scalp,
         partings: Vec<Parting>,
@@ -323,7 +326,7 @@ impl Cut {
     }
 }
 
-/// A piece of scalp that hangs together.
+/// A connected piece of scalp.
 #[derive(Clone, Copy, Default)]
 struct Tract {
     area: f32,
@@ -358,7 +361,7 @@ pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>) -> Cut {
     Cut { partings, lines, labels, slivers }
 }
 
-/// Joins cells where no parting is between them: those off the lines first, then what lies beside these, then what is left.
+/// Joins cells with no parting between them: first those off the lines, then those next to them, then the rest.
 fn flood(scalp: &Scalp, lines: &Lines) -> Vec<u32> {
     let spots = scalp.chart().spots();
     let mut labels = vec![NONE; CELLS * CELLS];
@@ -386,7 +389,7 @@ fn flood(scalp: &Scalp, lines: &Lines) -> Vec<u32> {
     for off in [true, false] {
         let labelled = (0..CELLS * CELLS).filter(|cell| labels[*cell] != NONE).collect();
         spread(&mut labels, labelled, off);
-        // Row by row from the forehead, so that numbers run from front to back.
+        // Row by row from the forehead, so that sections are numbered from front to back.
         for seed in (0..CELLS).rev().flat_map(|y| (0..CELLS).map(move |x| y * CELLS + x)) {
             let grows = spots[seed].grows > 0.0;
             if grows && labels[seed] == NONE && !(off && on_line(seed)) {
@@ -418,14 +421,14 @@ fn measured(scalp: &Scalp, lines: &Lines, labels: &[u32]) -> Vec<Tract> {
     tracts
 }
 
-/// The length of the side between two cells, cm of scalp.
+/// Length of the side between two cells, cm of scalp.
 fn side(scalp: &Scalp, cell: usize, other: usize) -> f32 {
     let (p, q) = (middle(cell), middle(other));
     scalp.chart().stretch((p + q) * 0.5, (q - p).perp())
 }
 
-/// Gives tracts that are too small to their neighbours beyond lines of patterns: for each the number of the tract that it is one
-/// with now. What is known of that is brought up to date.
+/// Gives tracts that are too small to their neighbours across pattern lines; returns for each the index of the tract
+/// that it is now part of. Updates the measurements.
 fn join(
     scalp: &Scalp,
     lines: &Lines,
@@ -451,7 +454,7 @@ fn join(
         tracts.iter().filter(|t| t.area >= LEAST).map(Tract::width).collect();
     widths.sort_by(f32::total_cmp);
     let least = NARROW * widths.get(widths.len() / 2).copied().unwrap_or(0.0);
-    // Widths are not negative, so their bits are in their order.
+    // Widths are not negative, so their bits sort like their values.
     let asked = |t: &Tract, i: u32| (t.width() < least).then(|| (t.width().to_bits(), i));
     let mut small: BTreeSet<(u32, u32)> =
         (0..).zip(tracts.iter()).filter_map(|(i, tract)| asked(tract, i)).collect();
@@ -489,7 +492,7 @@ fn join(
     one_with
 }
 
-/// The partings without what of patterns has one section on both sides.
+/// The partings, without pattern lines that have one section on both sides.
 fn parting_something(
     scalp: &Scalp,
     partings: Vec<Parting>,
@@ -499,7 +502,7 @@ fn parting_something(
     let parts = |piece: &Piece| {
         let [a, b] = piece.flat;
         let (middle, aside) = ((a + b) * 0.5, (b - a).perp().normalize_or_zero() * CELL);
-        // Where two lines run on top of each other nothing is between them.
+        // Where two lines coincide, nothing is between them.
         let on_side = |way: Vec2| {
             [0.3, 0.8, 1.5].iter().find_map(|far| lines.label_at(labels, middle + way * *far))
         };
@@ -537,10 +540,10 @@ fn parting_something(
     (kept, lines)
 }
 
-/// Mixed into the ids of what a line is broken into.
+/// Mixed into the ids of the pieces of a broken line.
 const RUN_TAG: u64 = 0xB20C;
 
-/// Numbers the sections, without those that are too small; gives how many of these a parting bounds.
+/// Numbers the sections, without those that are too small; returns how many of these a parting bounds.
 fn number(one_with: &[u32], tracts: &[Tract], labels: &mut [u32]) -> usize {
     let own = |i: &usize| one_with[*i] == *i as u32;
     let mut areas: Vec<f32> = (0..tracts.len()).filter(own).map(|i| tracts[i].area).collect();
@@ -550,7 +553,7 @@ fn number(one_with: &[u32], tracts: &[Tract], labels: &mut [u32]) -> usize {
     let least = areas.get(areas.len() / 2).map_or(LEAST, speck);
     let (mut next, mut slivers) = (0, 0);
     let mut numbers = vec![NONE; tracts.len()];
-    // A section has the place of its first tract.
+    // A section takes the place of its first tract.
     for to in one_with.iter().map(|to| *to as usize) {
         if numbers[to] == NONE && tracts[to].area >= least {
             numbers[to] = next;
@@ -566,12 +569,12 @@ fn number(one_with: &[u32], tracts: &[Tract], labels: &mut [u32]) -> usize {
     slivers
 }
 
-/// Gives specks to the section beside them that no parting keeps them from.
+/// Gives specks to an adjacent section that no parting separates them from.
 fn mend_the_edge(lines: &Lines, specks: &[usize], labels: &mut [u32]) {
     if specks.iter().all(|cell| labels[*cell] != NONE) {
         return;
     }
-    // Over what grows no hair the way may lead, a few cells far.
+    // The path may cross bare skin, for a few cells.
     let mut reached = labels.to_vec();
     let mut front: Vec<usize> = (0..CELLS * CELLS).filter(|c| reached[*c] != NONE).collect();
     for _ in 0..RAGGED {
@@ -591,7 +594,7 @@ fn mend_the_edge(lines: &Lines, specks: &[usize], labels: &mut [u32]) {
     }
 }
 
-/// The cells of the box about a piece, and `more` around it.
+/// The cells of the box around a segment, and `more` around it.
 pub(super) fn covered(flat: &[Vec2; 2], more: i32) -> impl Iterator<Item = usize> {
     let at = |q: Vec2| ((q / CELL).floor().as_ivec2()) + CELLS as i32 / 2;
     let (a, b) = (at(flat[0].min(flat[1])) - more, at(flat[0].max(flat[1])) + more);
@@ -601,7 +604,7 @@ pub(super) fn covered(flat: &[Vec2; 2], more: i32) -> impl Iterator<Item = usize
         .flat_map(move |y| (low.x..=high.x).map(move |x| y as usize * CELLS + x as usize))
 }
 
-/// Squared distance of a point from a straight piece.
+/// Squared distance of a point from a segment.
 #[inline]
 pub(super) fn square_to([a, b]: [Vec3; 2], p: Vec3) -> f32 {
     let along = b - a;

@@ -1,10 +1,10 @@
-//! Regions that somebody drew: what lies inside closed lines on a head, exact on its triangles.
+//! Drawn regions: the inside of closed lines on a head, exact within its triangles.
 //!
-//! A line that lies wholly inside another leaves a hole in it; otherwise what any of them encloses is in the region. The edge fades
-//! by the straight distance to the line, half of its width on each side.
+//! A line wholly inside another cuts a hole into it; otherwise the region is the union. The edge fades with the
+//! straight distance to the line, half of its width on each side.
 //!
-//! Guarantees: the value at a point is that of the lines and no mean of the corners of its triangle, however large that is. Not
-//! promised: which of lines that cross each other and themselves is a hole.
+//! Guarantees: the value at a point follows the lines, not an average over the corners of its triangle, however large
+//! the triangle. Not promised: which of several crossing or self-crossing lines is a hole.
 
 use super::outline::{Net, Outline, for_middles};
 use crate::maths::closest::Surface;
@@ -15,17 +15,17 @@ use std::sync::Arc;
 
 /// A drawn region of one surface.
 pub(crate) struct Drawn {
-    /// Lines, and whether each is the edge of a hole; holes after what they are in.
+    /// Lines, and whether each is the edge of a hole; holes come after the line that contains them.
     lines: Vec<(Arc<Outline>, bool)>,
     /// Width of the edge, cm.
     softness: f32,
-    /// For each vertex whether hair may grow there at all, 0 or 1.
+    /// For each vertex, whether hair may grow there at all: 0 or 1.
     may: Arc<[f32]>,
     /// Value at each vertex.
     values: Vec<f32>,
-    /// Triangles in which the corners' values do not tell the points' between.
+    /// Triangles in which values cannot be interpolated from the corners.
     exact: Vec<bool>,
-    /// cm2, what fades counted as much as it is there.
+    /// Area in cm2, weighted by the fade.
     area: f32,
 }
 
@@ -61,7 +61,7 @@ impl Drawn {
             }
         }
         drawn.exact = exact;
-        // So close to each other that the smallest line has a few hundred inside.
+        // Spacing at which the smallest line has a few hundred samples inside.
         let length = |line: &Outline| -> f32 {
             line.pieces().iter().map(|piece| piece.ends[0].distance(piece.ends[1])).sum()
         };
@@ -80,7 +80,7 @@ impl Drawn {
         drawn
     }
 
-    /// How deep inside the region by the depth in each line.
+    /// Depth inside the region, from the depth inside each line.
     fn deepest(&self, depth: impl Fn(&Outline) -> f32) -> f32 {
         self.lines.iter().fold(f32::MIN, |deepest, (line, hole)| match hole {
             false => deepest.max(depth(line)),
@@ -105,7 +105,7 @@ impl Drawn {
         may * soft(self.deepest(|line| line.depth(surface, triangle, bary)), self.softness)
     }
 
-    /// No value in a triangle is higher; none where the corners tell.
+    /// Upper bound of the values in a triangle; `None` if the corners bound them.
     pub(crate) fn highest(&self, triangle: u32) -> Option<f32> {
         self.exact[triangle as usize].then_some(1.0)
     }
@@ -113,7 +113,7 @@ impl Drawn {
     pub(crate) fn values(&self) -> &[f32] {
         &self.values
     }
-    /// cm2, what fades counted as much as it is there.
+    /// Area in cm2, weighted by the fade.
     pub(crate) fn area(&self) -> f32 {
         self.area
     }

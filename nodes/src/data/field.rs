@@ -10,37 +10,37 @@ use crate::maths::hash::KeyBuilder;
 use glam::Vec2;
 use std::sync::Arc;
 
-/// Where a field's number comes from.
+/// Source of a field's values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Field {
     /// The same everywhere; costs nothing.
     Constant(f32),
     /// Along the curve, by the fraction of its arc length from root to tip.
     Ramp(Ramp),
-    /// The curve's or point's attribute of this name.
+    /// The attribute of this name, per curve or point.
     Attribute(String),
-    /// The scalp's mask of this name, under the curve's root.
+    /// The scalp's mask of this name, at the curve's root.
     Mask(String),
-    /// What is painted on the head, under the curve's root. Comes by wire alone.
+    /// A painted mask, at the curve's root. By wire only.
     Painted(Arc<Painted>),
-    /// A picture on the head, under the curve's root. Comes by wire alone.
+    /// A texture on the head, at the curve's root. By wire only.
     Texture(Arc<Texture>),
-    /// All of them multiplied.
+    /// The product of these fields.
     Product(Vec<Field>),
 }
 
 /// Why a field has no value on some curves.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FieldFault {
-    /// No curve has it.
+    /// No curve has the attribute.
     #[error("the curves have no attribute {0:?} that is a number")]
     NoAttribute(String),
     /// The scalp has no such mask.
     #[error("the scalp has no mask {name:?}; it has: {known}")]
     NoMask {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// Names there are.
+        /// The existing names.
         known: String,
     },
     /// Nothing says where the roots are.
@@ -49,7 +49,7 @@ pub enum FieldFault {
 }
 
 impl Field {
-    /// The value, when it is the same everywhere.
+    /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
         match self {
             Field::Constant(x) => Some(*x),
@@ -60,8 +60,8 @@ impl Field {
         }
     }
 
-    /// The field on the curves of a tuft. `scalp` is needed by masks only. `range` is the hard range of the
-    /// input: every value is clamped to it.
+    /// The field on the curves of a tuft. Only masks need `scalp`. `range` is the hard range of the input; every value
+    /// is clamped to it.
     pub fn on<'a>(
         &'a self,
         tuft: &'a Tuft,
@@ -142,7 +142,7 @@ impl Field {
         })
     }
 
-    /// Whether a mask is part of it, which may be a section of a parted scalp.
+    /// Whether it contains a mask, which may be a section of a parted scalp.
     pub fn has_mask(&self) -> bool {
         match self {
             Field::Mask(_) => true,
@@ -152,7 +152,7 @@ impl Field {
         }
     }
 
-    /// Whether something that comes by wire alone is part of it: what is painted, or a texture.
+    /// Whether it contains something that comes by wire only: a painted mask or a texture.
     pub fn is_wired(&self) -> bool {
         match self {
             Field::Painted(_) | Field::Texture(_) => true,
@@ -203,20 +203,20 @@ fn declared_number(name: &str) -> Option<f32> {
     numbers.iter().find(|d| d.name == name).map(|d| d.default)
 }
 
-/// Where the roots of a tuft's curves are on a head.
+/// Positions of a tuft's roots on a head.
 struct Places<'a> {
     tuft: &'a Tuft,
     own: &'a Scalp,
     triangle: View<'a, i32>,
     bary: View<'a, Vec2>,
-    /// How many triangles of the head roots may be told by.
+    /// Number of the head's triangles that roots may refer to.
     known: usize,
 }
 
 impl<'a> Places<'a> {
-    /// Of the head that something lies on, for curves that grow on `scalp`.
+    /// Positions on the head of a mask or texture, for curves that grow on `scalp`.
     fn of(tuft: &'a Tuft, own: &'a Scalp, scalp: Option<&Scalp>) -> Self {
-        // Roots are told by triangles of the head that the curves grow on.
+        // Roots refer to triangles of the head that the curves grow on.
         let known = match scalp {
             Some(scalp) if scalp.whole() != own.whole() => 0,
             _ => own.surface().triangles.len(),
@@ -224,13 +224,13 @@ impl<'a> Places<'a> {
         let (triangle, bary) = (tuft.view(ROOT_TRIANGLE), tuft.view(ROOT_BARY));
         Self { tuft, own, triangle, bary, known }
     }
-    /// The root of a curve as it says itself.
+    /// The root as the curve stores it.
     fn known(&self, i: usize) -> Option<(u32, Vec2)> {
         let root = self.tuft.offsets()[i] as usize;
         let at = u32::try_from(self.triangle.at(i, root)).ok()?;
         ((at as usize) < self.known).then(|| (at, self.bary.at(i, root)))
     }
-    /// The place nearest to it.
+    /// The nearest point of the head.
     fn nearest(&self, i: usize) -> Option<Root> {
         self.own.closest_root(*self.tuft.curve(i).first()?)
     }
@@ -276,8 +276,8 @@ impl Part<'_> {
 }
 
 impl Sampler<'_> {
-    /// The value on curve number `curve`, at point number `point` of the tuft, which lies at the fraction `u` of
-    /// the curve's length. NaN (an attribute can hold anything) reads as the range's low end.
+    /// The value on curve `curve` at point `point` of the tuft, which lies at the fraction `u` of the curve's length.
+    /// NaN (an attribute can hold anything) reads as the low end of the range.
     #[inline]
     pub fn at(&self, curve: usize, point: usize, u: f32) -> f32 {
         if let Part::View(View::Shared(x)) = self.part {
@@ -289,8 +289,7 @@ impl Sampler<'_> {
     pub fn is_of_curves(&self) -> bool {
         self.part.is_of_curves()
     }
-    /// The value at the fraction `u` of a curve, between whose points attributes are not interpolated: the
-    /// nearest point before counts.
+    /// The value at the fraction `u` of a curve. Attributes are not interpolated: the nearest preceding point counts.
     pub fn along(&self, tuft: &Tuft, curve: usize, u: f32) -> f32 {
         let range = tuft.range(curve);
         let last = range.len().saturating_sub(1);

@@ -1,11 +1,11 @@
-//! Pen gestures as a document keeps them: what the hand did, from where it was seen, and what it meant.
+//! Pen gestures as a document stores them: the pen's samples, the view they were drawn in, and their result.
 //!
-//! A gesture is drawn on a picture. It keeps the pen's samples in pixels and the view that they were drawn under, in the head's
-//! frame, so that it means the same on another head; the curves it acts on by their ids; and, where it made a new curve, that
-//! curve in the frame of its root.
+//! A gesture is drawn on a picture. It stores the pen's samples in pixels and the view in the head frame, so that it
+//! means the same on another head; the ids of the curves it acts on; and, if it made a new curve, that curve in the
+//! frame of its root.
 //!
-//! Guarantees: what cannot be used is found before anything runs ([`Gestures::fault`]). Not known here: what a gesture does
-//! (`sketch/`), and how files hold it.
+//! Guarantees: unusable gestures are found before anything runs ([`Gestures::fault`]). Not known here: what a gesture
+//! does (`sketch/`), and how files store it.
 
 use super::scalp::{HEAD_RADIUS, Root};
 use crate::maths::frame::{across, any_normal};
@@ -16,72 +16,72 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::NoUninit)]
 #[repr(C)]
 pub struct PenSample {
-    /// Pixels from the middle of the picture, to the right and down.
+    /// Pixels from the centre of the picture, to the right and down.
     pub at: Vec2,
     /// 0 to 1.
     pub pressure: f32,
     /// Seconds since the gesture began.
     pub time: f32,
-    /// How far the pen leans to the right and towards the user, in quotients of 90 degrees, each -1 to 1.
+    /// Tilt of the pen to the right and toward the user, as a fraction of 90 degrees, each -1 to 1.
     pub tilt: Vec2,
 }
 
-/// From where a gesture was drawn: the eye, in the head's frame and head units.
+/// View in which a gesture was drawn, in the head frame and head units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Where the eye is.
+    /// Position of the eye.
     pub eye: Vec3,
-    /// Where it looks at; not at the eye.
+    /// Point the eye looks at; not the eye itself.
     pub target: Vec3,
-    /// The way that is up in the picture; not along the view.
+    /// Up direction of the picture; not parallel to the view.
     pub up: Vec3,
-    /// Half the height of the picture: of one head unit's distance from the eye, or where all rays are parallel, in head units.
+    /// Half the height of the picture at one head unit from the eye; for a parallel projection, in head units.
     pub half_height: f32,
-    /// Whether all rays are parallel.
+    /// Whether the projection is parallel.
     pub parallel: bool,
     /// Height of the picture in pixels.
     pub pixels: f32,
 }
 
-/// What a gesture does.
+/// Effect of a gesture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Tool {
-    /// A new cluster from a place of the scalp.
+    /// A new cluster from a point of the scalp.
     Implant,
-    /// A cluster goes on from its end.
+    /// Continues a cluster from its tip.
     Lengthen,
-    /// Curves end at the stroke; on the scalp they are removed whole.
+    /// Cuts curves at the stroke; on the scalp, removes them whole.
     Cut,
-    /// Each full circle fills clusters a little more (clockwise) or less.
+    /// Each full circle makes clusters a little denser (clockwise) or thinner.
     Density,
-    /// Each loop turns the cross-section of a cluster from there on.
+    /// Each loop twists a cluster from there on.
     Twist,
-    /// A scribble says how much strands wander.
+    /// The width of a scribble sets how much strands wander.
     Frizz,
     /// Pushes curves along the stroke.
     Comb,
-    /// Locks the nearest CV in its place, or frees it.
+    /// Fixes the nearest CV in place, or frees it.
     Pin,
-    /// Evens out what the brush passes.
+    /// Smooths what the brush passes.
     Smooth,
-    /// Lifts it off the skin.
+    /// Lifts curves off the skin.
     Puff,
-    /// Takes it along.
+    /// Drags curves along.
     Grab,
-    /// Draws it straight between its root and its end.
+    /// Straightens curves between root and tip.
     Straighten,
-    /// Takes one CV along.
+    /// Moves one CV.
     Point,
-    /// Draws a curve anew from a place of it on.
+    /// Redraws a curve from a point on it to its tip.
     Redraw,
-    /// Copies of a cluster, where the pen paints.
+    /// Copies of a cluster along the stroke.
     Scatter,
-    /// A new cluster as wide as the outline that is drawn of it.
+    /// A new cluster as wide as its drawn outline.
     Silhouette,
 }
 
 impl Tool {
-    /// Every tool with its word in documents, in the order of the shelf.
+    /// Every tool and its word in documents, in the order of the toolbar.
     pub const ALL: &[(Tool, &str)] = &[
         (Tool::Implant, "implant"),
         (Tool::Lengthen, "lengthen"),
@@ -104,7 +104,7 @@ impl Tool {
     pub fn word(self) -> &'static str {
         Self::ALL.iter().find(|(tool, _)| *tool == self).map_or("", |(_, word)| word)
     }
-    /// The tool of a word.
+    /// The tool with this word.
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, own)| *own == word).map(|(tool, _)| *tool)
     }
@@ -122,14 +122,14 @@ pub enum Layer {
 }
 
 impl Layer {
-    /// Every layer with its word in documents, from light to heavy pressure.
+    /// Every layer and its word in documents, from light to heavy pressure.
     pub const ALL: &[(Layer, &str)] =
         &[(Layer::Nearest, "nearest"), (Layer::Through, "through"), (Layer::Scalp, "scalp")];
     /// Its word in documents and messages.
     pub fn word(self) -> &'static str {
         Self::ALL.iter().find(|(layer, _)| *layer == self).map_or("", |(_, word)| word)
     }
-    /// The layer of a word.
+    /// The layer with this word.
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, own)| *own == word).map(|(layer, _)| *layer)
     }
@@ -146,52 +146,53 @@ impl Layer {
 /// A gesture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gesture {
-    /// Stored with the gesture, unique within its list, never 0. The id of the curve that an implant makes comes of it.
+    /// Stored with the gesture, unique within its list, never 0. The id of an implanted curve derives from it.
     pub id: u64,
-    /// What it does.
+    /// Its effect.
     pub tool: Tool,
     /// How deep it reaches.
     pub layer: Layer,
-    /// From where it was drawn.
+    /// The view it was drawn in.
     pub view: View,
     /// At least one.
     pub samples: Vec<PenSample>,
-    /// Ids of the curves it acts on; of a scatter, the one that it copies. Empty: found under the pen each time it is replayed.
+    /// Ids of the curves it acts on; for a scatter, the curve it copies. Empty: whatever lies under the pen at each
+    /// replay.
     pub curves: Vec<u64>,
-    /// Where an implant or silhouette is rooted, in the head's frame and head units. None: where the ray through the first sample, or
-    /// between the ends of an outline, meets the head.
+    /// Root of an implant or silhouette, in the head frame and head units. `None`: where the ray through the first
+    /// sample, or between the ends of an outline, hits the head.
     pub root: Option<Vec3>,
-    /// The curve that an implant, silhouette, lengthening or re-drawing drew, without its first point, in the frame of its root or of the
-    /// place where it goes on, in head units ([`RootFrame`]). Of a scatter, where its copies are rooted, in the head's frame and head units. Empty: made from the samples
-    /// each time it is replayed.
+    /// The drawn curve of an implant, silhouette, lengthening or redrawing, without its first point, in the frame of
+    /// its root or of the point where it continues, in head units ([`RootFrame`]). For a scatter, the roots of its
+    /// copies, in the head frame and head units. Empty: made from the samples at each replay.
     pub path: Vec<Vec3>,
-    /// Colour of what is implanted, linear Rec.709. None: that of curves without one.
+    /// Colour of an implant, linear Rec.709. `None`: the default colour.
     pub colour: Option<Vec3>,
-    /// Reach of a brush, pixels; 0: the node's own, and of a scatter its stroke alone.
+    /// Radius of a brush, pixels; 0: the node's own, or for a scatter, the stroke only.
     pub size: f32,
-    /// How strongly a brush or comb acts, as a multiple of what it does by itself.
+    /// Strength of a brush or comb, relative to its default.
     pub strength: f32,
 }
 
-/// What became of a gesture where it was replayed, for reports.
+/// Result of one replayed gesture, for reports.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replayed {
     /// The gesture's id.
     pub id: u64,
     /// Its tool's word.
     pub tool: &'static str,
-    /// How far the root of an implant lies from where the head's frame puts it, cm; none where it is not known where it was.
+    /// Distance of an implant's root from where the head frame puts it, cm; `None` if the original position is unknown.
     pub drift: Option<f32>,
-    /// How far what was made runs from the kept path, in the frame of its root or old end: the mean over its length,
-    /// degrees; none without a kept path.
+    /// Mean angle over its length between the result and the stored path, in the frame of its root or old tip, degrees;
+    /// `None` without a stored path.
     pub turned: Option<f32>,
     /// How many curves it names for its tool to act on.
     pub named: usize,
-    /// How many curves it took: of those it names the ones that are there, or else those that lay under the pen.
+    /// How many curves it took: of the named ones those that exist, or else those under the pen.
     pub picked: usize,
     /// How many curves it made, changed or removed.
     pub changed: usize,
-    /// Ids of curves that it names and that are not there any more.
+    /// Ids of named curves that no longer exist.
     pub orphaned: Vec<u64>,
     /// What it could not do.
     pub said: Vec<String>,
@@ -205,17 +206,17 @@ impl Replayed {
     }
 }
 
-/// The gestures of one node, in the order in which they were drawn.
+/// The gestures of one node, in drawing order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gestures(pub Vec<Gesture>);
 
-/// Farther from the head's centre than anything is looked at from (head units), and more pixels than any picture has.
+/// Largest distance from the head's centre (head units), and largest picture size in pixels.
 const FARTHEST: f32 = 1e5;
-/// The most curves that one gesture names.
+/// The most curves that one gesture may name.
 const MOST_CURVES: usize = 100_000;
 
 impl View {
-    /// Why nothing can be seen so; none when it can.
+    /// Why the view is unusable; `None` if it is usable.
     pub fn fault(&self) -> Option<&'static str> {
         let near = |v: Vec3| v.is_finite() && v.abs().max_element() <= FARTHEST;
         let ahead = (self.target - self.eye).try_normalize();
@@ -259,8 +260,8 @@ impl Gesture {
             .finish()
     }
 
-    /// The same on the other side of the head, which knows nothing yet of the curves there. Circles go round as they did, for they
-    /// mean more or less; loops turn the other way, as hair in a mirror does.
+    /// The same gesture on the other side of the head, without named curves there. Circles keep their direction, since
+    /// it means denser or thinner; loops reverse, as hair does in a mirror.
     pub fn mirrored(&self) -> Self {
         let flip = |v: Vec3| v * Vec3::new(-1.0, 1.0, 1.0);
         let other = |s: &PenSample| PenSample {
@@ -280,7 +281,7 @@ impl Gesture {
         Self { view, samples, curves: vec![], root: None, path: vec![], ..self.clone() }
     }
 
-    /// Why it cannot be used; none when it can.
+    /// Why it cannot be used; `None` if it can.
     pub fn fault(&self) -> Option<String> {
         let finite = |s: &PenSample| {
             s.at.is_finite() && s.pressure.is_finite() && s.time.is_finite() && s.tilt.is_finite()
@@ -333,7 +334,7 @@ impl Gestures {
         };
         self.0.iter().map(each).sum::<usize>() + self.0.len() * size_of::<Gesture>()
     }
-    /// Why the list cannot be used; none when it can.
+    /// Why the list cannot be used; `None` if it can.
     pub fn fault(&self) -> Option<String> {
         let mut seen = std::collections::BTreeSet::new();
         for (i, one) in self.0.iter().enumerate() {
@@ -348,22 +349,23 @@ impl Gestures {
     }
 }
 
-/// How far about a root the skin tells which way is out, head units: over the whorls of an ear and the folds of a scan.
+/// Radius around a root within which normals are averaged, head units: larger than the whorls of an ear and the folds
+/// of a scan.
 const ABOUT: f32 = 2.0;
 
-/// The frame in which what grows from a place of a head is kept: out of the skin, down over it, and across. Where the skin
-/// looks straight up or down, forward stands for down.
+/// The frame in which a curve that grows from a point of the head is stored: out of the skin, down along it, and
+/// across. Where the skin faces straight up or down, forward replaces down.
 #[derive(Clone, Copy, Debug)]
 pub struct RootFrame {
     origin: Vec3,
-    /// Unit and at right angles: out, down over the skin, and across.
+    /// Orthonormal: out, down along the skin, and across.
     axes: [Vec3; 3],
     unit: f32,
 }
 
 impl RootFrame {
-    /// The frame at a root of a head. Out is how the skin lies about the root, the mean of its normals there and round about, so that
-    /// folds, ears and what is rough in a scan turn nothing.
+    /// The frame at a root of a head. Out is the mean of the normals around the root, so that folds, ears and scan
+    /// noise do not turn it.
     pub fn at(scalp: &super::scalp::Scalp, root: &Root) -> Self {
         let (frame, skin) = (scalp.frame(), scalp.skin());
         let aside = any_normal(root.normal);
@@ -378,19 +380,19 @@ impl RootFrame {
         let out = round.filter_map(normal).fold(root.normal, |sum, normal| sum + normal);
         Self::of(frame, root.point, out)
     }
-    /// The frame at any place where something that grows looks this way.
+    /// The frame at any point, for an outward direction.
     pub fn of(frame: &super::scalp::HeadFrame, origin: Vec3, out: Vec3) -> Self {
         let out = out.normalize_or(frame.up);
-        // Forward counts a little, so that near the crown down turns to it without a leap.
+        // Forward counts slightly, so that near the crown down turns to it without a jump.
         let down = across(frame.forward * 0.25 - frame.up, out).unwrap_or_else(|| any_normal(out));
         Self { origin, axes: [out, down, out.cross(down)], unit: frame.radius / HEAD_RADIUS }
     }
-    /// A point in the frame, head units.
+    /// A point in this frame, head units.
     pub fn local(&self, p: Vec3) -> Vec3 {
         let off = (p - self.origin) / self.unit;
         Vec3::from(self.axes.map(|axis| off.dot(axis)))
     }
-    /// A point of the frame, in the head's space, cm.
+    /// A point of this frame in the head's space, cm.
     pub fn world(&self, p: Vec3) -> Vec3 {
         let [out, down, aside] = self.axes;
         self.origin + (out * p.x + down * p.y + aside * p.z) * self.unit
@@ -498,12 +500,12 @@ pub(crate) mod tests {
     fn the_frame_of_a_root_leads_to_and_fro_and_stands_as_the_head_does() {
         let frame = HeadFrame { radius: 17.8, ..HeadFrame::IDENTITY };
         let at = RootFrame::of(&frame, Vec3::new(0.0, 0.0, 17.8), Vec3::Z);
-        // Two head units out and one down: of a head twice as large 4 cm and 2 cm.
+        // Two head units out and one down: on a head twice as large, 4 cm and 2 cm.
         assert!(at.world(Vec3::new(2.0, 1.0, 0.0)).distance(Vec3::new(0.0, -2.0, 21.8)) < 1e-5);
         for p in [Vec3::new(0.3, -2.0, 7.0), Vec3::splat(-4.0)] {
             assert!(at.world(at.local(p)).distance(p) < 1e-4);
         }
-        // On the crown down is forward.
+        // On the crown, down is forward.
         let crown = RootFrame::of(&frame, Vec3::Y * 17.8, Vec3::Y);
         assert!(crown.world(Vec3::Y).distance(Vec3::new(0.0, 17.8, 2.0)) < 1e-5);
     }

@@ -1,15 +1,15 @@
-//! Ids where lots of curves come together: every one once.
+//! Unique ids where sets of curves are combined.
 //!
-//! Guarantees: of curves with one id the first keeps it; the others, and all that have none, get ids that nobody has. The new ids
-//! are a pure function of the ids and their order.
+//! Guarantees: of several curves with one id, the first keeps it; the others, and all curves without an id, get unused
+//! ids. The new ids are a pure function of the ids and their order.
 
 use crate::maths::hash::curve_id;
 use std::collections::BTreeSet;
 
-/// Which of these curves need another id, by their place among all, in rising order, and which id. `go_on` is asked now and then.
+/// Curves that need another id, by their index among all, ascending, with the new id. `go_on` is polled now and then.
 ///
 /// # Errors
-/// What `go_on` gives.
+/// Returns what `go_on` returns.
 pub(crate) fn renewed<E>(
     ids: &[u64],
     go_on: impl Fn() -> Result<(), E>,
@@ -22,7 +22,7 @@ pub(crate) fn renewed<E>(
     let mut given = BTreeSet::new();
     for same in seen.chunk_by(|a, b| a.0 == b.0) {
         let id = same[0].0;
-        // The first of one id keeps it; no one keeps none.
+        // The first curve with an id keeps it; nobody keeps 0.
         let first = if id == 0 { 0 } else { 1 };
         for (nth, (_, at)) in (0..).zip(same).skip(first) {
             if fresh.len().is_multiple_of(4096) {
@@ -36,13 +36,14 @@ pub(crate) fn renewed<E>(
     Ok(fresh)
 }
 
-/// A new id for the `nth` curve of one id: the first that `takes` takes. Each try is another id of this curve. The new id of the
-/// one that was taken would be taken, too, where lots were merged with themselves again and again: a walk along all of them.
+/// A new id for the `nth` curve with one id: the first candidate that `takes` accepts. Each attempt derives from this
+/// curve's own id. Deriving it from the rejected candidate would walk along all earlier ids when sets are merged with
+/// themselves repeatedly.
 fn fresh_id(id: u64, nth: u64, takes: impl FnMut(&u64) -> bool) -> u64 {
     (0..).map(|k| curve_id(id, MERGED + k, nth)).find(takes).unwrap_or_default()
 }
 
-/// Stands for "made by merging" among seed tags; the tries of one curve follow.
+/// Seed tag that stands for "made by merging"; the attempts for one curve follow it.
 const MERGED: u64 = 0x6D65_7267_6500;
 
 #[cfg(test)]
@@ -63,7 +64,7 @@ mod tests {
             }
             assert_eq!(ids.len(), 3 << (merge + 1));
         }
-        // An id of the first lot has had a new one made of it in each merge before, 9 at most.
+        // Each earlier merge gave new ids derived from those of the first set, 9 at most.
         assert!(tries <= 10 * asked, "{tries} tries for {asked} ids");
     }
 }

@@ -1,15 +1,15 @@
-//! A closed stroke of the pen laid on the skin: what it encloses, and in words what does not fit.
+//! A closed pen stroke laid on the skin: what it encloses, and a description of what does not fit.
 //!
-//! Guarantees: the same words wherever a line is closed on a head: drawn regions and painted masks. Not promised: anything useful of
-//! what does not fit.
+//! Guarantees: the same messages for drawn regions and painted masks. Not promised: useful results for lines that do
+//! not fit.
 
 use super::outline::{Net, Outline};
 use super::scalp::HeadSpace;
 use glam::Vec3;
 
-/// A line that is farther from the skin was drawn on another head, or on none; cm on a head of average size.
+/// A line farther from the skin than this was drawn on another head, or off the head; cm on a head of average size.
 const MISSES: f32 = 0.5;
-/// The line that closes a stroke is longer than this share of it only where somebody forgot to close it.
+/// If the closing line is longer than this fraction of the stroke, the stroke was probably left open by mistake.
 const OPEN: f32 = 0.2;
 /// Fewer points enclose nothing.
 pub(crate) const LEAST_POINTS: usize = 3;
@@ -18,7 +18,7 @@ pub(crate) const LEAST_POINTS: usize = 3;
 pub(crate) struct Laid {
     /// What it encloses.
     pub(crate) outline: Outline,
-    /// What does not fit, each as it goes on after the stroke's name.
+    /// What does not fit, each worded to follow the stroke's name.
     pub(crate) faults: Vec<String>,
 }
 
@@ -62,7 +62,7 @@ impl Laid {
     }
 }
 
-/// Length of the straight line that closes a stroke, against the stroke's own length.
+/// Length of the straight closing line relative to the stroke's own length.
 fn gap(positions: &[Vec3]) -> f32 {
     let length: f32 = positions.windows(2).map(|w| w[0].distance(w[1])).sum();
     match positions {
@@ -71,7 +71,7 @@ fn gap(positions: &[Vec3]) -> f32 {
     }
 }
 
-/// A point as people type it, in head units: those of the home where the groom was made on another head.
+/// A point as users type it, in head units: those of the home head if the groom was made on another head.
 pub(crate) fn place(space: &HeadSpace, p: Vec3) -> String {
     let p = space.given(p);
     format!("({:.1}, {:.1}, {:.1})", p.x, p.y, p.z)

@@ -1,13 +1,14 @@
-//! Landmarks: eight places of a head that have names, so that one head can be told to fit another.
+//! Landmarks: eight named points on a head, used to fit a groom from one head to another.
 //!
-//! In head units in the head's own frame (x to its left, y up, z forward), as strokes are. As text they are written as names of
-//! regions are: `crown 0 9.9 -4.1; chin 0 -9 6.5`. Any may be missing; what is not known is never made up.
+//! Positions are in head units in the head frame (x to the head's left, y up, z forward), like strokes. As text they
+//! are written like region names: `crown 0 9.9 -4.1; chin 0 -9 6.5`. Any landmark may be missing; unknown ones are
+//! never invented.
 
 use super::sections::named_points;
 use glam::Vec3;
 use std::fmt;
 
-/// A place that every head has.
+/// A point that every head has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Landmark {
     /// Where the hairline crosses the middle of the forehead.
@@ -18,18 +19,18 @@ pub enum Landmark {
     LeftTemple,
     /// The same on its right.
     RightTemple,
-    /// The skin above the ear, where hair goes round it, on the head's left.
+    /// The skin above the ear, where hair passes around it, on the head's left.
     LeftEar,
     /// The same on its right.
     RightEar,
-    /// The highest of the back of the head.
+    /// The top of the back of the head.
     Crown,
     /// The point of the chin.
     Chin,
 }
 
 impl Landmark {
-    /// All of them, in the order in which they are written.
+    /// All of them, in writing order.
     pub const ALL: [Self; 8] = [
         Self::Front,
         Self::Nape,
@@ -61,15 +62,15 @@ impl Landmark {
     }
 }
 
-/// Landmarks that lie no farther from each other than this are the same ones, head units: they are written to 0.001.
+/// Landmarks at most this far apart are equal, head units: they are written to 0.001.
 const SAME: f32 = 0.001;
 
-/// Those landmarks of a head that are known, in head units.
+/// The known landmarks of a head, in head units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Landmarks([Option<Vec3>; 8]);
 
 impl Landmarks {
-    /// Reads landmarks as people type them; with a line on everything that is none.
+    /// Parses landmarks as users type them; also returns a line for each entry that is invalid.
     pub fn parse(text: &str) -> (Self, Vec<String>) {
         let (points, mut faults) = named_points(text);
         let mut out = Self::default();
@@ -90,7 +91,7 @@ impl Landmarks {
         (out, faults)
     }
 
-    /// Where one is; none where that is not known.
+    /// Position of a landmark; `None` if unknown.
     pub fn get(&self, mark: Landmark) -> Option<Vec3> {
         self.0[mark as usize]
     }
@@ -102,13 +103,13 @@ impl Landmarks {
     pub fn each(&self) -> impl Iterator<Item = (Landmark, Vec3)> {
         Landmark::ALL.into_iter().zip(self.0).filter_map(|(mark, at)| Some((mark, at?)))
     }
-    /// Names of those that are not known, for messages; none where all are.
+    /// Names of the unknown landmarks, for messages; `None` if all are known.
     pub fn missing(&self) -> Option<String> {
         let gone = Landmark::ALL.into_iter().filter(|mark| self.get(*mark).is_none());
         let gone: Vec<&str> = gone.map(Landmark::name).collect();
         (!gone.is_empty()).then(|| gone.join(", "))
     }
-    /// Whether the same are known and lie where these do, to 0.01 mm.
+    /// Whether both know the same landmarks, at the same positions to 0.01 mm.
     pub fn same(&self, other: &Self) -> bool {
         Landmark::ALL.into_iter().all(|mark| match (self.get(mark), other.get(mark)) {
             (Some(a), Some(b)) => a.distance(b) <= SAME,
@@ -117,7 +118,7 @@ impl Landmarks {
     }
 }
 
-/// As they are typed, to a thousandth.
+/// As users type them, to a thousandth.
 impl fmt::Display for Landmarks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (mark, at)) in self.each().enumerate() {

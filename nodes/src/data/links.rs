@@ -1,7 +1,8 @@
-//! How the triangles of a surface hang together: what lies over their sides, which pieces there are, and a tree over each, by which
-//! the sides of a line are told in the time that it takes to look at each vertex once.
+//! Connectivity of a surface's triangles: neighbours across sides, connected pieces, and a spanning tree over each
+//! piece. The tree classifies vertices by the side of a line in one pass over the vertices.
 //!
-//! Guarantees: the same for the same triangles. Surfaces need not be closed, nor edges of two triangles alone.
+//! Guarantees: the same triangles give the same result. Surfaces need not be closed, and edges may have more than two
+//! triangles.
 
 use crate::maths::closest::Surface;
 use std::collections::BTreeSet;
@@ -9,16 +10,16 @@ use std::collections::BTreeSet;
 /// No triangle; no vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// How the triangles of a surface hang together, for whoever keeps it beside the surface.
+/// Connectivity of a surface's triangles, to be stored beside the surface.
 #[derive(Debug)]
 pub(crate) struct Links {
-    /// Over the side from each corner to the next: the triangle there, or [`NONE`].
+    /// The triangle across the side from each corner to the next, or [`NONE`].
     pub(super) beside: Vec<[u32; 3]>,
-    /// A number for each vertex, the same for what hangs together.
+    /// A number for each vertex, the same for all vertices of a connected piece.
     pub(super) pieces: Vec<u32>,
-    /// A tree of edges over each piece: for each vertex the one that it hangs on, or [`NONE`].
+    /// A spanning tree over each piece: for each vertex its parent, or [`NONE`].
     above: Vec<u32>,
-    /// Where each vertex stands in an order in which all that hangs on it follows it, and where that ends.
+    /// Position of each vertex in an order in which all its descendants follow it, and where they end.
     stands: Vec<[u32; 2]>,
     /// Twice the area of each triangle, cm2.
     pub(super) twice: Vec<f32>,
@@ -56,8 +57,8 @@ impl Links {
         Self { beside, pieces, above, stands, twice }
     }
 
-    /// For each vertex whether it is on the other side than the first of its piece, where these edges are crossed: the tree's that
-    /// are turn all that hangs on them.
+    /// For each vertex, whether it is on the other side than the first vertex of its piece when these edges are
+    /// crossed: crossed tree edges flip all descendants.
     pub(super) fn sides(&self, odd: &BTreeSet<(u32, u32)>) -> Vec<bool> {
         let hangs = |(a, b): (u32, u32)| match (self.above[a as usize], self.above[b as usize]) {
             (on, _) if on == b => Some(a),
@@ -77,8 +78,8 @@ impl Links {
     }
 }
 
-/// What each vertex hangs on in a tree over each piece, whose root is the vertex that the piece is numbered by; and where vertices
-/// stand.
+/// The parent of each vertex in a spanning tree of each piece, rooted at the vertex that the piece is numbered by; and
+/// the positions of the vertices.
 fn hung(pieces: &[u32], tree: &[(u32, u32)]) -> (Vec<u32>, Vec<[u32; 2]>) {
     let mut ends: Vec<(u32, u32)> = tree.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]).collect();
     ends.sort_unstable();
@@ -108,27 +109,27 @@ fn hung(pieces: &[u32], tree: &[(u32, u32)]) -> (Vec<u32>, Vec<[u32; 2]>) {
     (above, stands)
 }
 
-/// Vertices joined.
+/// A union-find structure over vertices.
 pub(super) struct Joined(Vec<u32>);
 
 impl Joined {
     pub(super) fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }
-    /// The first of those that a vertex is joined with.
+    /// The representative of a vertex's set.
     pub(super) fn root(&mut self, v: u32) -> u32 {
         let mut root = v;
         while self.0[root as usize] != root {
             root = self.0[root as usize];
         }
-        // The way is shortened for whoever asks next.
+        // Path compression for later queries.
         let mut at = v;
         while at != root {
             at = std::mem::replace(&mut self.0[at as usize], root);
         }
         root
     }
-    /// Joins two, and tells whether they were not.
+    /// Joins two vertices; returns whether they were separate.
     pub(super) fn join(&mut self, (a, b): (u32, u32)) -> bool {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b) as usize] = a.min(b);
@@ -151,7 +152,7 @@ mod tests {
 
     #[test]
     fn sides_are_told_from_the_edges_that_are_crossed_alone() {
-        // Two balls and a sheet of two triangles, which has a rim.
+        // Two balls and a sheet of two triangles, which has a border.
         let (mut points, mut triangles) = (vec![], vec![]);
         for at in [Vec3::ZERO, Vec3::X * 40.0] {
             let ball = sphere(9.0, 6);

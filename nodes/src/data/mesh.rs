@@ -1,9 +1,8 @@
-//! A triangle mesh as a reader hands it over: in the file's own units and axes, nothing judged yet.
+//! A triangle mesh as a reader returns it: in the file's own units and axes, not yet interpreted.
 //!
-//! **Invariant:** every index in [`Mesh::triangles`] is below `points.len()`, every point is finite, and
-//! the per-triangle columns are as long as `triangles`. Readers establish this, [`Mesh::check`]
-//! tests it. Nothing else is promised: holes, several parts, non-manifold edges, triangles without
-//! area and missing uvs are all allowed.
+//! **Invariant:** every index in [`Mesh::triangles`] is below `points.len()`, every point is finite, and the
+//!  per-triangle columns are as long as `triangles`. Readers establish this; [`Mesh::check`] tests it. Nothing else is
+//!  promised: holes, several parts, non-manifold edges, degenerate triangles and missing UVs are all allowed.
 
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -11,46 +10,46 @@ use std::collections::BTreeMap;
 /// A triangle mesh in its file's units and axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertices. Those that a file repeats at its seams are one point; things that merely touch, as
-    /// lashes do a lid, keep their own.
+    /// Vertices. Vertices that a file repeats at its seams are merged; parts that merely touch, as lashes do a lid,
+    /// keep their own.
     pub points: Vec<Vec3>,
-    /// Counter-clockwise seen from outside.
+    /// Counterclockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// One uv per corner, or none at all.
+    /// One UV per corner, or none at all.
     pub uvs: Option<Vec<[Vec2; 3]>>,
     /// Material names, in the order the file first uses them.
     pub materials: Vec<String>,
-    /// Index into `materials` for each triangle; empty when the file names none.
+    /// Index into `materials` for each triangle; empty if the file names none.
     pub material_of: Vec<u32>,
     /// Names of objects, groups or nodes.
     pub parts: Vec<String>,
-    /// Index into `parts` for each triangle; empty when there is one nameless part.
+    /// Index into `parts` for each triangle; empty if there is a single unnamed part.
     pub part_of: Vec<u32>,
-    /// For each mesh at its place the other names by which it goes: its own, where the part is named after its node, and those
-    /// of the nodes that it lies in, the nearest first.
+    /// Alternative names for each part: the mesh's own name if the part is named after its node, and those of the
+    /// enclosing nodes, nearest first.
     pub also: Vec<Vec<String>>,
-    /// Index into `also` for each triangle; empty when there are no such names.
+    /// Index into `also` for each triangle; empty if there are no such names.
     pub also_of: Vec<u32>,
-    /// Painted values, 0 to 1, one for each point (vertex colours as `name.r`, `.g`, `.b`).
+    /// Painted values, 0 to 1, one per point (vertex colours as `name.r`, `.g`, `.b`).
     pub masks: BTreeMap<String, Vec<f32>>,
-    /// Centimetres per unit where the format states it (glTF: 100).
+    /// Centimetres per unit if the format defines it (glTF: 100).
     pub cm_per_unit: Option<f32>,
-    /// What the reader repaired or left out, one sentence each, for the messages of the node.
+    /// What the reader repaired or left out, one sentence each, for the node's messages.
     pub notes: Vec<String>,
 }
 
-/// Why a file is no mesh that coif can use. The text says where and why, without the file's name.
+/// Why a file is not a usable mesh. The text says where and why, without the file's name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {reason}")]
 pub struct MeshError {
-    /// Line, byte offset, accessor or element, as exact as the reader knows it.
+    /// Line, byte offset, accessor or element, as precise as the reader knows it.
     pub place: String,
-    /// What is wrong there and, where one sentence can say it, what to do.
+    /// What is wrong there and, if one sentence can say it, what to do.
     pub reason: String,
 }
 
 impl MeshError {
-    /// An error at a place.
+    /// An error at a position in the file.
     pub fn at(place: impl Into<String>, reason: impl Into<String>) -> Self {
         Self { place: place.into(), reason: reason.into() }
     }
@@ -89,7 +88,7 @@ impl Mesh {
         Ok(())
     }
 
-    /// Drops triangles, and points that no other uses. Names stay, also those of which nothing is left.
+    /// Drops triangles, and points that no other triangle uses. Names stay, including unused ones.
     pub fn leave_out(&mut self, gone: &[bool]) {
         keep(&mut self.triangles, gone);
         self.uvs.iter_mut().for_each(|uvs| keep(uvs, gone));
@@ -110,7 +109,7 @@ impl Mesh {
     }
 }
 
-/// Keeps what is not gone; a column that is not there stays so.
+/// Keeps entries that are not gone; an empty column stays empty.
 pub(crate) fn keep<T>(column: &mut Vec<T>, gone: &[bool]) {
     let mut gone = gone.iter();
     column.retain(|_| !gone.next().copied().unwrap_or(false));
@@ -132,7 +131,7 @@ mod tests {
             ..Mesh::default()
         };
         mesh.leave_out(&[true, false, false]);
-        // Point 0 was the first triangle's alone.
+        // Only the first triangle used point 0.
         assert_eq!(mesh.points, [1.0, 2.0, 3.0, 4.0].map(|x| Vec3::X * x));
         assert_eq!(mesh.triangles, [[1, 2, 3], [1, 3, 0]]);
         assert_eq!(mesh.uvs.as_ref().map(|uvs| uvs[0][0].x), Some(1.0));

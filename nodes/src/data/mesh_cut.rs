@@ -1,10 +1,10 @@
-//! How partings cut a mesh that no map shows, such as an animal's: along its triangles.
+//! How partings cut a mesh that the map does not show, such as an animal's: along its triangles.
 //!
-//! Corners of triangles hang together where no line crosses the edge between them; what hangs together is a section. A point has the
-//! section of a corner that it reaches without crossing a line.
+//! Corners of triangles are connected if no line crosses the edge between them; a connected set is a section. A point
+//! belongs to the section of a corner that it reaches without crossing a line.
 //!
-//! Guarantees: as of [`super::outline`], borders are as sharp as the lines; the same sections for any order of lines. Not promised:
-//! patterns, and hair that is led within its section: that needs the map.
+//! Guarantees: as in [`super::outline`], borders are as sharp as the lines; the same sections for any order of lines.
+//! Not promised: patterns, and hair that is led within its section; both need the map.
 
 use super::chart::cross;
 use super::links::{Joined, edge};
@@ -17,9 +17,9 @@ use glam::{DVec3, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What has a smaller share of all skin on which hair grows is no section.
+/// Pieces with a smaller fraction of the skin on which hair grows are not sections.
 const LEAST: f64 = 0.0005;
-/// Points of a triangle that is cut, along a side, by which its area is shared out.
+/// Samples along a side of a cut triangle, by which its area is divided.
 const SHARES: u32 = 16;
 
 /// The sections of a mesh.
@@ -27,12 +27,13 @@ pub(super) struct MeshCut {
     scalp: Arc<Scalp>,
     /// The lines, by triangle.
     pieces: Vec<Piece>,
-    /// Number of each vertex's section, or [`NONE`].
+    /// Index of each vertex's section, or [`NONE`].
     labels: Vec<u32>,
 }
 
 impl MeshCut {
-    /// Cuts a mesh. Also gives the sections, without names, how many pieces are too small to be one, and what there is to say.
+    /// Cuts a mesh. Also returns the sections, without names, how many pieces are too small to be one, and what there
+    /// is to report.
     pub(super) fn new(
         scalp: &Scalp,
         partings: &[Parting],
@@ -49,7 +50,7 @@ impl MeshCut {
                 }
             }
         }
-        // What hangs together with no line, such as an eye, counts to the section that is nearest to it.
+        // Pieces without any line, such as an eye, belong to the nearest section.
         let touched = net.touched(lines.iter().flat_map(|line| &line.pieces));
         let beside: Vec<u32> =
             (0..surface.points.len() as u32).filter(|v| touched.contains(&net.piece(*v))).collect();
@@ -76,7 +77,7 @@ impl MeshCut {
         let pieces = pieces.into_iter().map(|(_, piece)| piece).collect();
         let mut cut = Self { scalp: Arc::new(scalp.unparted()), pieces, labels };
 
-        // Area and middle of each.
+        // Area and centre of each.
         let mut found: BTreeMap<u32, (f64, DVec3)> = BTreeMap::new();
         for (t, corners) in (0u32..).zip(&surface.triangles) {
             if surface.is_gone(t) {
@@ -107,7 +108,7 @@ impl MeshCut {
             *label = numbers.get(label).copied().unwrap_or(NONE);
         }
 
-        // Which lines run beside each, on which side and for how long.
+        // Lines beside each section, with side and length.
         let mut beside: BTreeMap<(u32, u64, bool), (f32, f32)> = BTreeMap::new();
         for (piece, owner) in cut.pieces.iter().zip(&owners) {
             let [a, b] = piece.bary;
@@ -149,7 +150,7 @@ impl MeshCut {
         (cut, list, slivers, said)
     }
 
-    /// Number of the section at a point of a triangle.
+    /// Index of the section at a point of a triangle.
     pub(super) fn at(&self, triangle: u32, bary: Vec2) -> Option<u32> {
         let corners = self.surface().triangles.get(triangle as usize)?;
         let (pieces, to) = (in_triangle(&self.pieces, triangle), within(bary, 1e-5));
@@ -161,7 +162,7 @@ impl MeshCut {
         Some(self.labels[*v as usize]).filter(|label| *label != NONE)
     }
 
-    /// Number of the section under a point.
+    /// Index of the section under a point.
     pub(super) fn under(&self, p: Vec3) -> Option<u32> {
         let hit = self.surface().closest(p)?;
         self.at(hit.triangle, hit.bary)

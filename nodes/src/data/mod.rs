@@ -1,4 +1,4 @@
-//! What wires carry, and what readers and writers exchange with it.
+//! Types that wires carry, and that readers and writers exchange with them.
 
 pub mod attributes;
 pub mod carry;

@@ -1,13 +1,13 @@
 //! Closed lines on a mesh, cut along its triangles, and what lies inside them.
 //!
-//! Between its points a line goes straight over the skin: from triangle to triangle in the plane that stands on the skin there, and
-//! where that leads off the mesh, on a short way over its triangles. Two corners of a triangle are on the same side when the line
-//! crosses the edge between them an even number of times; a point of a triangle is told from a corner by the pieces of the line
-//! between.
+//! Between its points a line runs straight over the skin: from triangle to triangle in a plane normal to the skin, or,
+//! where that leaves the mesh, along a short path over the triangles. Two corners of a triangle are on the same side if
+//! the line crosses the edge between them an even number of times; a point inside a triangle is classified against a
+//! corner by the line segments in between.
 //!
-//! Guarantees: of two points of a triangle on two sides of the line each has its own side, however near they are; nothing but the
-//! skin that hangs together with the line is inside; the same sides for any order of triangles. Not promised: anything useful of a
-//! line that does not part the piece of mesh that it lies on, which is told ([`Outline::is_torn`]).
+//! Guarantees: two points of a triangle on two sides of the line are classified separately, however close they are;
+//! only skin connected to the line is inside; sides do not depend on the order of triangles. Not promised: useful
+//! results for a line that does not divide the piece of mesh it lies on; this is reported ([`Outline::is_torn`]).
 
 use super::links::{Links, NONE, edge};
 use crate::maths::closest::{Hit, Surface, closest_on_triangle};
@@ -16,20 +16,21 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::sync::Arc;
 
-/// Crossings keep off corners by this share of an edge, and points off edges by this share of a triangle.
+/// Minimum distance of crossings from corners, as a fraction of an edge, and of points from edges, as a fraction of a
+/// triangle.
 const OFF: f32 = 1e-3;
-/// A straight way is given up where it has become so many times longer than it should be.
+/// A straight path is abandoned once it is this many times longer than expected.
 const TOO_LONG: f32 = 3.0;
-/// The most triangles that are looked at for a way where none is straight.
+/// The most triangles searched for a path where none is straight.
 const LOOKS: usize = 100_000;
 
-/// A surface and how its triangles hang together.
+/// A surface and its connectivity.
 pub(crate) struct Net<'a> {
     surface: &'a Surface,
     links: Arc<Links>,
 }
 
-/// A straight piece of a line, in one triangle.
+/// A straight segment of a line, inside one triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     pub(crate) triangle: u32,
@@ -41,13 +42,13 @@ pub(crate) struct Piece {
 /// A line on the skin.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Line {
-    /// One after another along the line.
+    /// Segments in order along the line.
     pub(crate) pieces: Vec<Piece>,
-    /// Edges that are crossed, each as often as it is.
+    /// Crossed edges, each listed once per crossing.
     pub(crate) crossed: Vec<(u32, u32)>,
-    /// The point that was farthest from the skin, and how far, cm.
+    /// The point farthest from the skin, and its distance, cm.
     pub(crate) off: Option<(Vec3, f32)>,
-    /// Where it could not be led on over the skin.
+    /// Where the line could not be continued over the skin.
     pub(crate) gaps: Vec<[Vec3; 2]>,
 }
 
@@ -55,7 +56,7 @@ impl<'a> Net<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
         Self::of(surface, Arc::new(Links::new(surface)))
     }
-    /// The same where it is known how the surface hangs together.
+    /// The same, with known connectivity.
     pub(crate) fn of(surface: &'a Surface, links: Arc<Links>) -> Self {
         Self { surface, links }
     }
@@ -64,25 +65,25 @@ impl<'a> Net<'a> {
     pub(crate) fn surface(&self) -> &'a Surface {
         self.surface
     }
-    /// How it hangs together.
+    /// Its connectivity.
     pub(crate) fn links(&self) -> Arc<Links> {
         self.links.clone()
     }
-    /// A number for the vertices of each piece of the mesh that hangs together.
+    /// Index of the connected piece of the mesh that a vertex belongs to.
     pub(crate) fn piece(&self, vertex: u32) -> u32 {
         self.links.pieces[vertex as usize]
     }
-    /// The pieces of the mesh that a line runs over.
+    /// The pieces of the mesh that a line crosses.
     pub(super) fn touched<'p>(&self, line: impl IntoIterator<Item = &'p Piece>) -> BTreeSet<u32> {
         let of = |piece: &Piece| self.piece(self.surface.triangles[piece.triangle as usize][0]);
         line.into_iter().map(of).collect()
     }
-    /// The triangles over the sides of one.
+    /// The triangles across the sides of a triangle.
     pub(crate) fn beside(&self, triangle: u32) -> impl Iterator<Item = u32> {
         self.links.beside[triangle as usize].into_iter().filter(|t| *t != NONE)
     }
 
-    /// Whether the ends of all edges are on one side each, and those of crossed ones on two.
+    /// Whether both ends of every uncrossed edge are on one side, and those of crossed edges on two.
     fn is_parted(&self, odd: &BTreeSet<(u32, u32)>, sides: &[bool]) -> bool {
         let differ = |(a, b): (u32, u32)| sides[a as usize] != sides[b as usize];
         let sound = |t: u32, corners: &[u32; 3]| {
@@ -95,7 +96,8 @@ impl<'a> Net<'a> {
             && (0u32..).zip(&self.surface.triangles).all(|(t, corners)| sound(t, corners))
     }
 
-    /// The line through points near the skin, closed or not. It stays on one piece of the mesh, that which most points are on.
+    /// The line through points near the skin, closed or open. It stays on one piece of the mesh, the one that most
+    /// points are on.
     pub(crate) fn line(&self, points: &[Vec3], closed: bool) -> Line {
         let mut line = Line::default();
         let hits: Vec<Option<Hit>> = points.iter().map(|p| self.surface.closest(*p)).collect();
@@ -114,7 +116,7 @@ impl<'a> Net<'a> {
             if line.off.is_none_or(|(_, off)| hit.distance > off) {
                 line.off = Some((*p, hit.distance));
             }
-            // Off edges and corners, where it is not clear which triangle comes next.
+            // Off edges and corners, where the next triangle is ambiguous.
             hit.bary = within(hit.bary, OFF);
             hit.point = self.surface.at(hit.triangle, hit.bary);
             way.push(hit);
@@ -138,7 +140,7 @@ impl<'a> Net<'a> {
         line
     }
 
-    /// The point of one piece of the mesh that is closest.
+    /// The closest point of one piece of the mesh.
     fn closest_on(&self, p: Vec3, piece: u32) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         for (triangle, corners) in (0u32..).zip(&self.surface.triangles) {
@@ -154,7 +156,7 @@ impl<'a> Net<'a> {
         best
     }
 
-    /// The straight way over the skin.
+    /// The straight path over the skin.
     fn straight(&self, from: &Hit, to: &Hit) -> Option<(Vec<Piece>, Vec<(u32, u32)>)> {
         let piece = |triangle, bary: [Vec2; 2]| Piece {
             triangle,
@@ -168,7 +170,7 @@ impl<'a> Net<'a> {
         let normal = |hit: &Hit| self.surface.smooth_normal(hit.triangle, hit.bary);
         let across = along.cross(normal(from) + normal(to)).try_normalize()?;
         let side = |v: u32| (self.surface.points[v as usize] - from.point).dot(across);
-        // Where the plane leaves a triangle by one of its sides, as weights of its corners.
+        // Where the plane leaves a triangle through one of its sides, as weights of its corners.
         let leaves = |triangle: u32, k: usize| {
             let corners = self.surface.triangles[triangle as usize];
             let (a, b) = (side(corners[k]), side(corners[(k + 1) % 3]));
@@ -209,7 +211,7 @@ impl<'a> Net<'a> {
         })
     }
 
-    /// The triangle over a side, and which of its sides that is.
+    /// The triangle across a side, and which of its sides that is.
     fn over(&self, triangle: u32, k: usize) -> Option<(u32, usize)> {
         let next = self.links.beside[triangle as usize][k];
         let edge_of = |t: u32, k: usize| edge(&self.surface.triangles[t as usize], k);
@@ -218,10 +220,10 @@ impl<'a> Net<'a> {
         Some((next, entered))
     }
 
-    /// A short way over the triangles, through the middles of their sides.
+    /// A short path over the triangles, through the midpoints of their sides.
     fn round(&self, from: &Hit, to: &Hit) -> Option<(Vec<Piece>, Vec<(u32, u32)>)> {
         let middle = |t: u32| self.surface.at(t, Vec2::splat(1.0 / 3.0));
-        // Floats that are not negative are ordered as their bits are.
+        // Non-negative floats sort like their bits.
         let mut best = BTreeMap::from([(from.triangle, (0.0f32, NONE, 0usize))]);
         let mut next = BinaryHeap::from([Reverse((0u32, from.triangle))]);
         let mut done: BTreeSet<u32> = BTreeSet::new();
@@ -264,21 +266,21 @@ impl<'a> Net<'a> {
     }
 }
 
-/// Weights of the second and third corner, all three at least `least` of the whole or about as much.
+/// Weights of the second and third corner, with all three weights at least about `least` of the whole.
 pub(super) fn within(bary: Vec2, least: f32) -> Vec2 {
     let rest = (1.0 - bary.x - bary.y).max(least);
     let [x, y] = [bary.x.max(least), bary.y.max(least)];
     Vec2::new(x, y) / (x + y + rest)
 }
 
-/// Those of pieces, which go by triangle, that lie in one.
+/// The segments in one triangle; `pieces` must be sorted by triangle.
 pub(super) fn in_triangle(pieces: &[Piece], triangle: u32) -> &[Piece] {
     let from = pieces.partition_point(|piece| piece.triangle < triangle);
     let count = pieces[from..].partition_point(|piece| piece.triangle == triangle);
     &pieces[from..from + count]
 }
 
-/// Weights of the second and third corner at a share of the way from corner `k` to the next.
+/// Weights of the second and third corner at a fraction of the way from corner `k` to the next.
 fn on_side(k: usize, share: f32) -> Vec2 {
     match k {
         0 => Vec2::new(share, 0.0),
@@ -287,7 +289,7 @@ fn on_side(k: usize, share: f32) -> Vec2 {
     }
 }
 
-/// A point of an edge that two triangles share, from the weights of one to those of the other.
+/// Converts a point on an edge shared by two triangles from the weights of one to those of the other.
 fn carried(surface: &Surface, from: u32, bary: Vec2, to: u32) -> Vec2 {
     let weights = [1.0 - bary.x - bary.y, bary.x, bary.y];
     let old = surface.triangles[from as usize];
@@ -300,25 +302,26 @@ fn carried(surface: &Surface, from: u32, bary: Vec2, to: u32) -> Vec2 {
 
 /// A closed line and its inside.
 pub(crate) struct Outline {
-    /// Its pieces, by triangle.
+    /// Its segments, sorted by triangle.
     pieces: Vec<Piece>,
     /// Whether each vertex is inside.
     inside: Vec<bool>,
-    /// Skin inside, cm2.
+    /// Area of skin inside, cm2.
     area: f32,
     torn: bool,
-    /// Pieces by the cells of space that they are within reach of. A cell is as wide as the longest piece, so that each is in a few.
+    /// Segments by the cells of space within their reach. A cell is as wide as the longest segment, so that each is in
+    /// few cells.
     near: BTreeMap<[i32; 3], Vec<u32>>,
     side: f32,
-    /// How far off the line distances are known, cm.
+    /// Distance from the line up to which distances are known, cm.
     reach: f32,
 }
 
-/// Points of a triangle by which the share of it that is inside is told, along a side.
+/// Samples along a side of a triangle, by which its inside fraction is computed.
 const SHARES: u32 = 24;
 
 impl Outline {
-    /// What a closed line encloses: of its two sides the smaller. Distances to it are known up to `reach`, cm.
+    /// What a closed line encloses: the smaller of its two sides. Distances to it are known up to `reach`, cm.
     pub(crate) fn new(net: &Net, line: &Line, reach: f32) -> Self {
         let mut crossed = line.crossed.clone();
         crossed.sort_unstable();
@@ -360,7 +363,7 @@ impl Outline {
         outline
     }
 
-    /// The skin on which the line lies: of one side and of the other, cm2.
+    /// Area on both sides of the line, of the pieces that it lies on, cm2.
     fn areas(&self, net: &Net, touched: &BTreeSet<u32>) -> [f32; 2] {
         let surface = net.surface;
         let mut areas = [0.0f64; 2];
@@ -384,20 +387,20 @@ impl Outline {
         areas.map(|area| area as f32)
     }
 
-    /// The pieces of the line in a triangle.
+    /// The segments of the line in a triangle.
     fn of(&self, triangle: u32) -> &[Piece] {
         in_triangle(&self.pieces, triangle)
     }
 
-    /// Whether the line does not part the mesh: it runs off it, or round a handle.
+    /// Whether the line does not divide the mesh: it runs off it, or around a handle.
     pub(crate) fn is_torn(&self) -> bool {
         self.torn
     }
-    /// Skin inside, cm2.
+    /// Area of skin inside, cm2.
     pub(crate) fn area(&self) -> f32 {
         self.area
     }
-    /// Makes the other side of the line its inside.
+    /// Swaps inside and outside.
     pub(crate) fn turn(&mut self, net: &Net) {
         let touched = net.touched(&self.pieces);
         for (inside, piece) in self.inside.iter_mut().zip(&net.links.pieces) {
@@ -405,7 +408,7 @@ impl Outline {
         }
         self.area = self.areas(net, &touched)[1];
     }
-    /// Its pieces, by triangle.
+    /// Its segments, sorted by triangle.
     pub(crate) fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
@@ -418,7 +421,7 @@ impl Outline {
         let Some(corners) = surface.triangles.get(triangle as usize) else { return false };
         self.inside[corners[0] as usize] != is_beyond(self.of(triangle), bary)
     }
-    /// Straight distance to the line, cm; at most the reach, and anything above 0 without one.
+    /// Straight distance to the line, cm; at most the reach, and some positive number without a line.
     pub(crate) fn distance(&self, p: Vec3) -> f32 {
         if self.reach <= 0.0 {
             return 1.0;
@@ -439,9 +442,10 @@ impl Outline {
     }
 }
 
-/// Whether a point of a triangle is on another side of the line than its first corner, by the line's pieces in it.
+/// Whether a point of a triangle is on another side of the line than its first corner, judged by the segments in the
+/// triangle.
 fn is_beyond(pieces: &[Piece], bary: Vec2) -> bool {
-    // Pieces end on the sides of their triangle: what lies on a side itself is taken for what lies beside it.
+    // Segments end on the sides of their triangle: a point on a side counts as just inside it.
     let to = within(bary, 0.01 * OFF);
     let passed = pieces
         .iter()
@@ -449,7 +453,7 @@ fn is_beyond(pieces: &[Piece], bary: Vec2) -> bool {
     passed.count() % 2 == 1
 }
 
-/// The middles of `n` times `n` equal parts of a triangle, as weights of its second and third corner.
+/// The centres of `n` by `n` equal parts of a triangle, as weights of its second and third corner.
 pub(crate) fn for_middles(n: u32, mut each: impl FnMut(Vec2)) {
     let step = 1.0 / n as f32;
     for i in 0..n {
@@ -474,7 +478,7 @@ mod tests {
     use crate::maths::hash::Dice;
     use crate::maths::transcendental::sin_cos_turns;
 
-    /// A circle on a ball about `pole`, `height` from its middle.
+    /// A circle on a ball around `pole`, `height` from the ball's centre.
     fn circle(pole: Vec3, height: f32, n: u32) -> Vec<Vec3> {
         let right = pole.any_orthonormal_vector();
         let up = pole.cross(right);
@@ -496,7 +500,7 @@ mod tests {
             assert!(line.gaps.is_empty() && line.off.unwrap().1 < 0.2);
             let outline = Outline::new(&net, &line, 0.4);
             assert!(!outline.is_torn());
-            // A cap of a ball is 2 pi r^2 (1 - height); the mesh is a little smaller.
+            // A cap of a ball has an area of 2 pi r^2 (1 - height); the mesh is slightly smaller.
             let cap = std::f32::consts::TAU * 81.0 * (1.0 - height);
             assert!((outline.area() / cap - 1.0).abs() < 0.01, "{} {cap}", outline.area());
             let dice = Dice::new(3, 0, "points");

@@ -1,13 +1,14 @@
-//! A painted mask on one head: what a list of strokes with brushes makes of a number at each place of the skin.
+//! A painted mask on one head: the number that a list of brush strokes produces at each point of the skin.
 //!
-//! Strokes count one after the other, each as a whole: where a pass covers itself it counts once, and its samples are joined, so
-//! that how fast the hand was leaves no trace. The value at a place comes from the dabs alone, never from the mesh's vertices, so
-//! that a coarse head and a fine one show the same picture. On another head each sample goes to the skin nearest to its place in
-//! the head's frame.
+//! Strokes apply in order, each as a whole: where a pass overlaps itself it counts once, and its samples are joined, so
+//! that the speed of the hand leaves no trace. The value at a point depends on the dabs only, never on the mesh's
+//! vertices, so that coarse and fine heads show the same mask. On another head, each sample goes to the skin nearest to
+//! its position in the head frame.
 //!
-//! Guarantees: values are 0 to 1; a stroke changes nothing beyond its reach, and nothing on skin that faces away from it, such as
-//! the back of an ear that is painted in front; what a closed stroke encloses is told along the skin (`outline.rs`), exactly
-//! in each triangle. Not promised: anything useful of a closed stroke that does not part the skin, which is told.
+//! Guarantees: values are 0 to 1; a stroke changes nothing beyond its reach, and nothing on skin that faces away from
+//! it, such as the back of an ear painted in front; the inside of a closed stroke is determined along the skin
+//! (`outline.rs`), exactly in each triangle. Not promised: useful results for a closed stroke that does not divide the
+//! skin; this is reported.
 
 mod dabs;
 mod even;
@@ -27,24 +28,24 @@ use glam::{Vec2, Vec3};
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-/// A mask that strokes paint on a head.
+/// A mask painted on a head by strokes.
 pub struct Painted {
     key: Key,
     scalp: Arc<Scalp>,
     base: Arc<Field>,
     layers: Vec<Layer>,
     dabs: Dabs,
-    /// The layers that also act where none of their dabs is near, in order.
+    /// Layers that also act where none of their dabs is near, in order.
     wide: Vec<u32>,
     edges: Edges,
 }
 
-/// How strokes end.
+/// How strokes fade out.
 #[derive(Clone, Copy, Debug)]
 pub struct Edges {
-    /// The share of a dab's radius over which it fades: 0 is a hard edge, 1 fades from the middle on.
+    /// Fraction of a dab's radius over which it fades: 0 is a hard edge, 1 fades from the centre.
     pub softness: f32,
-    /// The width over which the inside of a closed stroke fades, cm.
+    /// Width over which the inside of a closed stroke fades, cm.
     pub line: f32,
 }
 
@@ -52,25 +53,25 @@ pub struct Edges {
 struct Layer {
     mode: Mode,
     strength: f32,
-    /// Numbers of the sections that it and its twin on the other side keep to; empty: the head has no such section.
+    /// Indices of the sections that it and its mirror image are limited to; empty: the head has no such section.
     sections: Option<[Vec<u32>; 2]>,
-    /// The closed lines of it and its twin.
+    /// Its closed line and that of its mirror image.
     lines: Option<[Option<Arc<Laid>>; 2]>,
-    /// How many points it has, where they are too few to be closed as it is to be.
+    /// Its number of points, if too few to close.
     too_few: Option<usize>,
-    /// What a smooth stroke brings the mask to.
+    /// What a smooth stroke blends the mask toward.
     even: Option<Arc<Even>>,
 }
 
-/// Skin that faces away by more than this cosine is not reached, and from the second on wholly.
+/// Skin that faces away by more than the first cosine is not reached; from the second cosine on it is fully reached.
 const AWAY: (f32, f32) = (-0.5, 0.0);
 
 impl Painted {
-    /// What the strokes make of `base` on this head. `known` finds or makes what evens out a stroke, by its key, and `laid` a closed
-    /// line.
+    /// The mask that the strokes make of `base` on this head. `known` finds or computes the smoothing of a stroke by
+    /// its key, and `laid` its closed line.
     ///
     /// # Errors
-    /// When the base cannot be read on the scalp, and what `check` gives.
+    /// If the base cannot be read on the scalp, and what `check` returns.
     pub(crate) fn new(
         scalp: Arc<Scalp>,
         strokes: &Strokes,
@@ -121,7 +122,7 @@ impl Painted {
     pub fn scalp(&self) -> &Arc<Scalp> {
         &self.scalp
     }
-    /// What it begins with.
+    /// Its value before the first stroke.
     pub fn base(&self) -> &Arc<Field> {
         &self.base
     }
@@ -133,7 +134,7 @@ impl Painted {
         let lines: usize = lines.map(|laid| laid.bytes()).sum();
         self.dabs.bytes() + evened + lines + 64 * self.layers.len()
     }
-    /// What does not fit of closed strokes, in words, each with the stroke's number from 1.
+    /// What is wrong with closed strokes, in words, each with the stroke's number from 1.
     pub(crate) fn faults(&self) -> impl Iterator<Item = String> {
         (1..).zip(&self.layers).flat_map(|(number, layer): (u32, &Layer)| {
             let few = layer
@@ -147,12 +148,12 @@ impl Painted {
             few.into_iter().chain(told)
         })
     }
-    /// Whether it asks where partings lie.
+    /// Whether it depends on partings.
     pub fn reads_sections(&self) -> bool {
         self.base.has_mask() || self.layers.iter().any(|layer| layer.sections.is_some())
     }
 
-    /// The value at a place of the skin, where `base` is what it begins with there, 0 to 1.
+    /// The value at a point of the skin, given the value of the base there; 0 to 1.
     pub fn at(&self, place: &Root, base: f32) -> f32 {
         self.before(u32::MAX, (place.triangle, place.bary), place.point, || place.normal, base)
     }
@@ -164,16 +165,16 @@ impl Painted {
         self.before(u32::MAX, (triangle, bary), surface.at(triangle, bary), normal, base)
     }
 
-    /// The values at places of the skin.
+    /// The values at points of the skin.
     ///
     /// # Errors
-    /// When the base cannot be read on the scalp.
+    /// If the base cannot be read on the scalp.
     pub fn on(&self, places: &[Root]) -> Result<Vec<f32>, FieldFault> {
         let bases = self.bases(places)?;
         Ok(places.iter().zip(bases).map(|(place, base)| self.at(place, base)).collect())
     }
 
-    /// What it begins with at places of the skin.
+    /// The values of the base at points of the skin.
     fn bases(&self, places: &[Root]) -> Result<Vec<f32>, FieldFault> {
         if let Some(x) = self.base.constant() {
             return Ok(vec![x.clamp(0.0, 1.0); places.len()]);
@@ -187,7 +188,7 @@ impl Painted {
         Ok((0..places.len()).map(|i| base.at(i, i, 0.0)).collect())
     }
 
-    /// The value at a point of a triangle with this normal, which is asked for where it matters, after the first `count` strokes.
+    /// The value after the first `count` strokes at a point of a triangle; its normal is computed only if needed.
     fn before(
         &self,
         count: u32,
@@ -208,7 +209,7 @@ impl Painted {
             }
             let layer = &self.layers[number as usize];
             w += usize::from(wide == number);
-            // Of each side: how much it is covered, and how far the line is.
+            // For each side: how much it is covered, and how far the line is.
             let (mut cover, mut far) = ([0.0f32; 2], [f32::MAX; 2]);
             while let Some(i) = near.get(k)
                 && self.dabs.piece(*i).layer == number
@@ -257,7 +258,7 @@ impl Painted {
         }
     }
 
-    /// How much of a place a piece of a stroke covers.
+    /// How much a segment of a stroke covers a point.
     #[inline]
     fn covered(&self, piece: &Piece, point: Vec3, normal: impl Fn() -> Vec3) -> f32 {
         let (square, t) = piece.square(point);
@@ -279,7 +280,7 @@ impl Painted {
 }
 
 impl Layer {
-    /// A stroke on this head; what lies between its samples goes to `pieces`.
+    /// A stroke on this head; its segments are added to `pieces`.
     fn new(
         scalp: &Scalp,
         (number, stroke): (u32, &Stroke),
@@ -334,13 +335,13 @@ struct Dab {
 }
 
 impl Dab {
-    /// Of a line, which has no side and no strength.
+    /// A sample of a line, which has no side and no strength.
     fn at(point: Vec3) -> Self {
         Self { point, normal: Vec3::ZERO, pressure: 0.0 }
     }
 }
 
-/// From each sample to the next; one alone is a dot.
+/// Segments from each sample to the next; a single sample is a dot.
 fn passes(dabs: &[Dab]) -> Vec<[Dab; 2]> {
     match dabs {
         [dot] => vec![[*dot; 2]],
@@ -348,13 +349,13 @@ fn passes(dabs: &[Dab]) -> Vec<[Dab; 2]> {
     }
 }
 
-/// Where a sample of a stroke, or of its twin on the other side, is, cm.
+/// Position of a sample of a stroke, or of its mirror image, cm.
 fn place(scalp: &Scalp, sample: &Sample, twin: bool) -> Vec3 {
     let side = if twin { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
     scalp.frame().point_from_head(sample.position * side)
 }
 
-/// The samples of a stroke, or of its twin, on the skin.
+/// The samples of a stroke, or of its mirror image, on the skin.
 fn on_skin(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Vec<Dab> {
     let dab = |sample: &Sample| {
         let root = scalp.closest_root(place(scalp, sample, twin))?;
@@ -364,14 +365,15 @@ fn on_skin(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Vec<Dab> {
     stroke.samples.iter().filter_map(dab).collect()
 }
 
-/// The closed line of a stroke, or of its twin. How far a point is from it is told by dabs.
+/// The closed line of a stroke, or of its mirror image. Distances to it come from the dabs.
 fn on_mesh(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Laid {
     let points: Vec<Vec3> =
         stroke.samples.iter().map(|sample| place(scalp, sample, twin)).collect();
     Laid::new(&scalp.net(), scalp.space(), &points, 0.0)
 }
 
-/// The sections that a stroke and its twin keep to: that of its name, and that in which the twin begins.
+/// The sections that a stroke and its mirror image are limited to: the named one, and the one in which the mirror image
+/// begins.
 fn sections_of(
     scalp: &Scalp,
     brush: &Brush,

@@ -1,26 +1,26 @@
-//! Pieces of partings by where they lie in space.
+//! Segments of partings, indexed by position in space.
 //!
-//! Guarantees: every piece within half a place of a point is listed at its place; what is asked is noted (`footprint.rs`). Not
-//! promised: that all that is listed is so near.
+//! Guarantees: every segment within half a place of a point is listed at that point's place; queries are recorded
+//! (`footprint.rs`). Not promised: that every listed segment is that near.
 
 use super::cut::Piece;
 use super::footprint::{read_place, read_places};
 use glam::Vec3;
 
-/// A grid over the pieces in space.
+/// A grid over the segments in space.
 pub(super) struct Places {
-    /// Number of the lowest place along each axis: places are counted from the origin, so that the same place has the same
-    /// pieces wherever other partings lie.
+    /// Index of the lowest place along each axis. Places are counted from the origin, so that a place has the same
+    /// segments wherever other partings lie.
     low: [i32; 3],
     pub(super) side: f32,
     size: [usize; 3],
-    /// Where each place's pieces start in `listed`.
+    /// Start of each place's segments in `listed`.
     starts: Vec<u32>,
     listed: Vec<u32>,
 }
 
 impl Places {
-    /// The most places along an axis; what is larger has larger places.
+    /// The most places along an axis; larger extents have larger places.
     const MOST: f32 = 128.0;
 
     pub(super) fn new(pieces: &[Piece]) -> Self {
@@ -55,7 +55,7 @@ impl Places {
         places
     }
 
-    /// Where the list of a place begins, where the grid has it.
+    /// Start of a place's list, if the grid contains it.
     fn slot(&self, place: [i32; 3]) -> Option<usize> {
         let at = [0, 1, 2].map(|k| usize::try_from(place[k].saturating_sub(self.low[k])).ok());
         let [Some(x), Some(y), Some(z)] = at else { return None };
@@ -63,7 +63,7 @@ impl Places {
         (x < nx && y < ny && z < nz).then(|| (x * ny + y) * nz + z)
     }
 
-    /// The places that lie within half a place of a piece, and a little more.
+    /// The places within half a place of a segment, and some slightly farther.
     fn about(&self, piece: &Piece) -> impl Iterator<Item = usize> + use<> {
         let [a, b] = piece.ends;
         let low = place_of(a.min(b) - 0.6 * PLACE, self.side);
@@ -79,15 +79,15 @@ impl Places {
         })
     }
 
-    /// The pieces near a place.
+    /// The segments near a place.
     pub(super) fn near(&self, place: [i32; 3]) -> &[u32] {
         read_place(place);
         self.slot(place).map_or(&[], |at| self.listed(at))
     }
 
-    /// Whether a glance tells that no piece is near any point of a box.
+    /// Whether a quick test shows that no segment is near any point of a box.
     pub(super) fn are_empty(&self, low: Vec3, high: Vec3) -> bool {
-        /// Larger boxes (places) are not looked at.
+        /// Larger boxes (in places) are not tested.
         const LARGE: u32 = 8;
         let (low, high) = (place_of(low, self.side), place_of(high, self.side));
         if (0..3).any(|k| high[k].abs_diff(low[k]) > LARGE) {
@@ -99,7 +99,7 @@ impl Places {
             slot(low[k])..(slot(high[k].saturating_add(1))).min(self.size[k])
         });
         let [_, ny, nz] = self.size;
-        // A row of places has its pieces one after the other.
+        // The segments of a row of places are contiguous.
         let is_empty = |row: usize| self.starts[row + zs.start] == self.starts[row + zs.end];
         zs.is_empty() || xs.into_iter().all(|x| ys.clone().all(|y| is_empty((x * ny + y) * nz)))
     }
@@ -108,7 +108,7 @@ impl Places {
         &self.listed[self.starts[at] as usize..self.starts[at + 1] as usize]
     }
 
-    /// All places that have pieces near them.
+    /// All places with segments near them.
     pub(super) fn each(&self) -> impl Iterator<Item = ([i32; 3], &[u32])> {
         let [_, ny, nz] = self.size;
         let place = move |at: usize| {
@@ -124,12 +124,12 @@ impl Places {
     }
 }
 
-/// The number of a point's place along each axis.
+/// Index of a point's place along each axis.
 #[inline]
 pub(super) fn place_of(p: Vec3, side: f32) -> [i32; 3] {
-    // The floor, without the call that it is on processors of any age.
+    // Floor, without the function call it is on older processors.
     (p / side).to_array().map(|x| (x as i32).saturating_sub(i32::from(x < x as i32 as f32)))
 }
 
-/// Side of a place, cm: partings up to twice as wide are seen from either side.
+/// Side of a place, cm: partings up to twice as wide are seen from both sides.
 pub(super) const PLACE: f32 = 0.5;

@@ -1,28 +1,28 @@
-//! A number along something that runs from 0 to 1: root to tip, or any other fraction.
+//! A function of a fraction from 0 to 1, such as root to tip.
 
 use crate::maths::hash::KeyBuilder;
 
-/// How a ramp runs between its stops.
+/// Interpolation between stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blend {
-    /// The left stop's value up to the next stop.
+    /// Holds the left stop's value up to the next stop.
     Step,
     /// Straight.
     Linear,
-    /// Smoothstep: level at every stop.
+    /// Smoothstep: flat at every stop.
     Smooth,
 }
 
-/// Stops (position, value), positions rising within [0, 1]; outside them the end values hold.
+/// Stops (position, value), with ascending positions in [0, 1]; the end values hold outside them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ramp {
-    /// Between the stops.
+    /// Interpolation between stops.
     pub blend: Blend,
-    /// **Invariant:** at least one, positions not decreasing, all finite.
+    /// **Invariant:** at least one, positions non-decreasing, all finite.
     stops: Vec<(f32, f32)>,
 }
 
-/// Why stops make no ramp.
+/// Why stops do not form a ramp.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a ramp needs at least one stop, finite numbers, and positions from 0 to 1 that do not fall"
@@ -48,7 +48,7 @@ impl Ramp {
     pub fn smooth(from: f32, to: f32) -> Self {
         Self { blend: Blend::Smooth, stops: vec![(0.0, from), (1.0, to)] }
     }
-    /// A straight ramp between two values.
+    /// A linear ramp between two values.
     pub fn linear(from: f32, to: f32) -> Self {
         Self { blend: Blend::Linear, stops: vec![(0.0, from), (1.0, to)] }
     }

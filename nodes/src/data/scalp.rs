@@ -1,8 +1,7 @@
-//! The head that hair grows on: surface, head frame, scalp region, masks and distance field.
+//! The head that hair grows on: surface, head frame, region, masks and distance field.
 //!
-//! Coordinates are centimetres in the space of the mesh file (scaled, never moved), so that a groom
-//! lies on the head it was made for. Uvs, materials and masks may be missing; holes, several
-//! parts and non-manifold edges are allowed.
+//! Coordinates are centimetres in the space of the mesh file (scaled, never moved), so that a groom lies on the head it
+//! was made for. UVs, materials and masks may be missing; holes, several parts and non-manifold edges are allowed.
 
 use super::carry::Carry;
 use super::chart::Chart;
@@ -22,27 +21,26 @@ use std::sync::{Arc, OnceLock};
 
 pub use super::skin::Skin;
 
-/// Radius of the cranium that head units are measured by, cm: one head unit is a centimetre on a head of this
-/// radius.
+/// Cranium radius that defines head units, cm: one head unit is a centimetre on a head of this radius.
 pub const HEAD_RADIUS: f32 = 8.9;
 
-/// Where the head is and how it stands (methods.md 0.1). Axes are unit and at right angles.
+/// Position and orientation of the head (methods.md 0.1). Axes are orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadFrame {
     /// Centre of the cranium sphere, cm.
     pub origin: Vec3,
-    /// To the head's own left, the picture's right when it looks at us: up x forward.
+    /// To the head's own left, which is the right of the picture when it faces us: up x forward.
     pub right: Vec3,
     /// Up.
     pub up: Vec3,
-    /// The way the face looks.
+    /// Direction of the face.
     pub forward: Vec3,
     /// Radius of the cranium sphere, cm.
     pub radius: f32,
 }
 
 impl HeadFrame {
-    /// A frame at the origin with file axes, for meshes that are no heads.
+    /// A frame at the origin with the file's axes, for meshes that are not heads.
     pub const IDENTITY: Self = Self {
         origin: Vec3::ZERO,
         right: Vec3::X,
@@ -50,30 +48,30 @@ impl HeadFrame {
         forward: Vec3::Z,
         radius: HEAD_RADIUS,
     };
-    /// Centimetres in one head unit.
+    /// Centimetres per head unit.
     pub fn unit(&self) -> f32 {
         self.radius / HEAD_RADIUS
     }
-    /// A point in the head's own units to cm in its space. (What a groom gives goes by [`HeadSpace::place`].)
+    /// A point from the head's own units to cm in its space. (Data of a groom uses [`HeadSpace::place`].)
     pub fn point_from_head(&self, p: Vec3) -> Vec3 {
         self.origin + self.vector_from_head(p) * self.unit()
     }
-    /// A point in the head's space (cm) to the head's own units.
+    /// A point from the head's space (cm) to the head's own units.
     pub fn head_from_point(&self, p: Vec3) -> Vec3 {
         self.head_from_vector(p - self.origin) / self.unit()
     }
-    /// A direction in the head frame to the head's space; lengths are kept.
+    /// A vector from the head frame to the head's space; lengths stay.
     pub fn vector_from_head(&self, v: Vec3) -> Vec3 {
         self.right * v.x + self.up * v.y + self.forward * v.z
     }
-    /// A direction in the head's space to the head frame; lengths are kept.
+    /// A vector from the head's space to the head frame; lengths stay.
     pub fn head_from_vector(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.right), v.dot(self.up), v.dot(self.forward))
     }
 }
 
-/// What is given in head units, such as strokes and names, on a head: the one place where that becomes centimetres. It goes by the
-/// head's frame, and where the groom was made on another head, by the map from that one.
+/// Converts data in head units, such as strokes and names, to centimetres on a head; the only place that does. It uses
+/// the head frame and, if the groom was made on another head, the map from that one.
 #[derive(Clone, Debug)]
 pub struct HeadSpace {
     frame: HeadFrame,
@@ -81,32 +79,33 @@ pub struct HeadSpace {
 }
 
 impl HeadSpace {
-    /// What is given in the units of a home is carried by this map to a head with this frame; without one it is given in the head's own.
+    /// Data in the units of a home head is carried by this map to a head with this frame; without a map, data is in the
+    /// head's own units.
     pub fn new(frame: HeadFrame, carry: Option<Carry>) -> Self {
         Self { frame, carry: carry.map(Arc::new) }
     }
-    /// Where the head is. Directions go by it alone.
+    /// The head frame. Directions use only this.
     pub fn frame(&self) -> &HeadFrame {
         &self.frame
     }
-    /// The map from the home; none where the groom is at home.
+    /// The map from the home head; `None` on the home head itself.
     pub fn carry(&self) -> Option<&Carry> {
         self.carry.as_deref()
     }
-    /// A given place in this head's own units.
+    /// A stored position in this head's own units.
     pub fn own(&self, p: Vec3) -> Vec3 {
         self.carry.as_ref().map_or(p, |carry| carry.at(p))
     }
-    /// Where a given place lies, cm in the head's space.
+    /// A stored position in the head's space, cm.
     pub fn place(&self, p: Vec3) -> Vec3 {
         self.frame.point_from_head(self.own(p))
     }
-    /// How a place of the head's space (cm) is given: what [`Self::place`] brings back to it.
+    /// The stored form of a position in the head's space (cm): the inverse of [`Self::place`].
     pub fn given(&self, p: Vec3) -> Vec3 {
         let own = self.frame.head_from_point(p);
         self.carry.as_ref().map_or(own, |carry| carry.back(own))
     }
-    /// The direction, seen from the head's middle and in its frame, of a given place; none of the middle itself. Unit.
+    /// Direction from the head's centre to a stored position, in the head frame; `None` for the centre itself. Unit.
     pub fn direction(&self, p: Vec3) -> Option<Vec3> {
         self.own(p).try_normalize()
     }
@@ -119,7 +118,7 @@ pub struct Root {
     pub triangle: u32,
     /// Weights of its second and third corner.
     pub bary: Vec2,
-    /// Texture coordinates there; zero without uvs.
+    /// Texture coordinates there; zero without UVs.
     pub uv: Vec2,
     /// The point, cm.
     pub point: Vec3,
@@ -127,41 +126,41 @@ pub struct Root {
     pub normal: Vec3,
 }
 
-/// A named part of the mesh that a head was read from, for whoever chooses what is no head.
+/// A named part of the mesh that a head was read from, for choosing parts that are not the head.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// Name of a node, mesh, group or material, or "piece 2".
     pub name: String,
-    /// The same as the head node's `leave_out` names it.
+    /// The form that the head node's `leave_out` uses.
     pub pattern: String,
     /// Whether it is left out.
     pub is_left_out: bool,
-    /// Whether it is proposed to be left out: it sounds like hair or stands over the crown.
+    /// Whether the part is suggested for leaving out: it is named like hair or rises above the crown.
     pub is_proposed: bool,
 }
 
-/// A head with everything that nodes ask of it. Parting it ([`Scalp::parted`]) costs nothing: all but the sections is
+/// A head with everything that nodes ask of it. Parting it ([`Scalp::parted`]) is cheap: everything but the sections is
 /// shared.
 pub struct Scalp {
     key: Key,
-    /// For the report only: coordinates are in cm already.
+    /// For the report only: coordinates are already in cm.
     cm_per_unit: f32,
     /// For the editor only.
     parts: Arc<[Part]>,
-    /// For whoever draws the file's own looks.
+    /// For drawing with the file's own textures.
     kept: Option<Arc<[u32]>>,
-    /// For whoever fits a groom to another head.
+    /// For fitting a groom to another head.
     landmarks: Landmarks,
     head: Arc<Head>,
     sections: Option<Arc<Sections>>,
 }
 
-/// What a head and the same head parted share.
+/// What a head shares with the same head parted.
 struct Head {
     surface: Surface,
     uvs: Option<Vec<[Vec2; 3]>>,
     space: HeadSpace,
-    /// Name to one value for each vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
+    /// Mask name to one value per vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
     /// Masks that are exact between vertices.
     drawn: Vec<(String, Drawn)>,
@@ -172,14 +171,14 @@ struct Head {
     chart: OnceLock<Chart>,
 }
 
-/// Name of the mask that says where hair grows.
+/// Name of the mask that defines where hair grows.
 pub const REGION: &str = "scalp";
 
 impl Scalp {
-    /// A scalp. `masks` must hold one value a vertex under each name, and one named [`REGION`].
+    /// A scalp. `masks` must hold one value per vertex under each name, and one mask named [`REGION`].
     ///
     /// # Panics
-    /// When the region is missing or a mask's length is wrong: a mistake of the maker.
+    /// If the region is missing or a mask has the wrong length: a bug in the caller.
     pub fn new(
         surface: Surface,
         uvs: Option<Vec<[Vec2; 3]>>,
@@ -223,11 +222,11 @@ impl Scalp {
         }
     }
 
-    /// The same scalp with regions that were drawn, by the names of their masks, whose values at vertices it has already, and how
-    /// its triangles hang together where that is known from it.
+    /// The same scalp with drawn regions, by the names of their masks, whose values at vertices it already has, and
+    /// with its connectivity if the regions computed it.
     ///
     /// # Panics
-    /// When the scalp was handed out before.
+    /// If the scalp is already shared.
     pub(crate) fn with_drawn(
         mut self,
         drawn: Vec<(String, Drawn)>,
@@ -247,10 +246,10 @@ impl Scalp {
         self
     }
 
-    /// The same scalp to which a groom is carried by the map of this space, whose frame is its own.
+    /// The same scalp, with this map for grooms from another head; the space must have the scalp's own frame.
     ///
     /// # Panics
-    /// When the scalp was handed out before.
+    /// If the scalp is already shared.
     pub(crate) fn carried(mut self, space: HeadSpace) -> Self {
         if let Some(carry) = space.carry() {
             self.key = carry.add_to(KeyBuilder::new("carried").key(self.key)).finish();
@@ -259,7 +258,7 @@ impl Scalp {
         self
     }
 
-    /// The same head, its scalp cut into these sections instead of those it had.
+    /// The same head with its scalp cut into these sections, replacing earlier ones.
     pub fn parted(&self, sections: Arc<Sections>) -> Self {
         let whole = self.whole();
         Self {
@@ -284,23 +283,23 @@ impl Scalp {
             sections: None,
         }
     }
-    /// Whether the map shows the region, as it does of heads; of animals it sees one side of each leg.
+    /// Whether the map shows the region, as on heads; of an animal it shows only one side of each leg.
     pub(crate) fn is_on_map(&self) -> bool {
         const LEAST: f64 = 0.8;
         let spots = self.chart().spots().iter();
         let on: f64 = spots.map(|spot| f64::from(spot.area * spot.grows)).sum();
         on >= LEAST * self.spread().area()
     }
-    /// The sections that partings cut the scalp into; none where it is not parted.
+    /// The sections that partings cut the scalp into; `None` if it is not parted.
     pub fn sections(&self) -> Option<&Sections> {
         self.sections.as_deref()
     }
-    /// Whether hair may be rooted here as far as partings go: in a section, and not on the bare skin of a parting.
+    /// Whether partings allow a root here: inside a section, and off the bare skin of partings.
     pub fn free(&self, point: Vec3) -> bool {
         self.sections.as_ref().is_none_or(|sections| sections.at(point).is_some_and(|s| s.free))
     }
-    /// A root, or where it lies on a parting or beyond one, its mirror image within the section of `centre`: for whoever roots
-    /// hair around a point.
+    /// A root or, if it lies on or beyond a parting, its mirror image inside the section of `centre`; for nodes that
+    /// place roots around a point.
     pub fn kept_in_section(&self, centre: Vec3, root: Root) -> Root {
         let Some(sections) = &self.sections else { return root };
         let Some(home) = sections.at(centre) else { return root };
@@ -318,7 +317,7 @@ impl Scalp {
             }
         }
         if back == 1.0 {
-            // The centre is on a parting itself: what is on a parting as well goes off it, to its own side.
+            // The centre itself is on a parting: roots on it move off it, to their own side.
             let mut near = root.triangle;
             let off = self.home(root.point).and_then(|home| home.kept(root.point, &mut near));
             let off = off.and_then(|p| (p - root.point).try_normalize());
@@ -327,54 +326,54 @@ impl Scalp {
             let mut tries = tries.filter_map(|p| self.closest_root(p));
             return tries.find(|root| self.free(root.point)).unwrap_or(root);
         }
-        // As far within the border as it lay beyond, so that roots do not pile up along it.
+        // As far inside the border as it lay beyond, so that roots do not pile up along it.
         let border = 1.0 - back;
         let mirrored = (border - back).max(0.2 * border);
         let near = self.closest_root(centre.lerp(root.point, mirrored));
         near.filter(|near| at_home(near.point)).unwrap_or(kept)
     }
-    /// The scalp as a flat map, made when first asked for.
+    /// The scalp as a flat map, computed on first use.
     pub fn chart(&self) -> &Chart {
         let head = &*self.head;
         head.chart.get_or_init(|| Chart::new(&head.surface, &head.space.frame, &head.masks[REGION]))
     }
 
-    /// Notes how many centimetres a unit of the mesh file was taken for.
+    /// Stores how many centimetres a unit of the mesh file was taken for.
     pub fn with_cm_per_unit(mut self, cm_per_unit: f32) -> Self {
         self.cm_per_unit = cm_per_unit;
         self
     }
-    /// Centimetres in one unit of the mesh file.
+    /// Centimetres per unit of the mesh file.
     pub fn cm_per_unit(&self) -> f32 {
         self.cm_per_unit
     }
 
-    /// Notes the named parts of the mesh.
+    /// Stores the named parts of the mesh.
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
         self.parts = parts.into();
         self
     }
-    /// The named parts of the mesh, those first that are or may have to be left out.
+    /// The named parts of the mesh; first those that are left out or may have to be.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// Notes which triangles of the mesh file are there, by number; all of them without this.
+    /// Stores which triangles of the mesh file are present, by index; without this, all are.
     pub fn with_kept(mut self, kept: Option<Vec<u32>>) -> Self {
         self.kept = kept.map(Into::into);
         self
     }
-    /// For each triangle its number in the mesh file; where there is none, they are all there.
+    /// For each triangle its index in the mesh file; `None` if all are present.
     pub fn kept(&self) -> Option<&[u32]> {
         self.kept.as_deref()
     }
 
-    /// Notes where the landmarks are.
+    /// Stores the landmarks.
     pub fn with_landmarks(mut self, landmarks: Landmarks) -> Self {
         self.landmarks = landmarks;
         self
     }
-    /// Where the landmarks are that are known, in head units of this head's frame, on the skin.
+    /// The known landmarks, in head units of this head's frame, on the skin.
     pub fn landmarks(&self) -> &Landmarks {
         &self.landmarks
     }
@@ -387,7 +386,7 @@ impl Scalp {
     pub fn whole(&self) -> Key {
         self.sections.as_ref().map_or(self.key, |cut| cut.whole())
     }
-    /// What [`Self::key`] is for every scalp of this head that is parted, however it is; none where this one is not.
+    /// The key shared by all parted versions of this head; `None` if this one is not parted.
     pub fn key_without_partings(&self) -> Option<Key> {
         let whole = self.sections.as_ref()?.whole();
         Some(KeyBuilder::new("parted somehow").key(whole).finish())
@@ -396,71 +395,71 @@ impl Scalp {
     pub fn surface(&self) -> &Surface {
         &self.head.surface
     }
-    /// The triangles and how they hang together, which is found when first asked for.
+    /// The triangles with their connectivity, computed on first use.
     pub(crate) fn net(&self) -> Net<'_> {
         let surface = &self.head.surface;
         Net::of(surface, self.head.links.get_or_init(|| Links::new(surface).into()).clone())
     }
-    /// Texture coordinates of each triangle's corners, when the mesh has them.
+    /// Texture coordinates of each triangle's corners, if the mesh has them.
     pub fn uvs(&self) -> Option<&[[Vec2; 3]]> {
         self.head.uvs.as_deref()
     }
-    /// Where the head is.
+    /// The head frame.
     pub fn frame(&self) -> &HeadFrame {
         &self.head.space.frame
     }
-    /// What is given in head units, on this head.
+    /// Conversion of data in head units, on this head.
     pub fn space(&self) -> &HeadSpace {
         &self.head.space
     }
-    /// Where a place given in head units lies, cm ([`HeadSpace::place`]).
+    /// A stored position in head units, to cm ([`HeadSpace::place`]).
     pub fn place(&self, p: Vec3) -> Vec3 {
         self.head.space.place(p)
     }
-    /// How a place (cm) is given in head units ([`HeadSpace::given`]).
+    /// A position in cm, to its stored form in head units ([`HeadSpace::given`]).
     pub fn given(&self, p: Vec3) -> Vec3 {
         self.head.space.given(p)
     }
-    /// Names of all masks that a field may name: those of the head and the sections of a parted scalp.
+    /// Names of all masks that a field may use: those of the head and the sections of a parted scalp.
     pub fn mask_names(&self) -> Vec<String> {
         let sections = self.sections.iter().flat_map(|s| s.names().each());
         let sections = sections.map(|(name, _)| name.to_owned());
         self.head.masks.keys().cloned().chain(sections).collect()
     }
-    /// A mask's values, one a vertex.
+    /// A mask's values, one per vertex.
     pub fn mask(&self, name: &str) -> Option<&[f32]> {
         self.head.masks.get(name).map(Vec::as_slice)
     }
-    /// Where hair grows: 0 to 1 a vertex.
+    /// The region where hair grows: 0 to 1 per vertex.
     pub fn region(&self) -> &[f32] {
         &self.head.masks[REGION]
     }
-    /// The region as a line on which places are spread, made when first asked for.
+    /// The region as a line along which roots are spread, computed on first use.
     pub(crate) fn spread(&self) -> &Spread {
         self.head.spread.get_or_init(|| Spread::new(&self.head.surface, &|t| self.highest(t)))
     }
     fn drawn(&self, name: &str) -> Option<&Drawn> {
         self.head.drawn.iter().find(|(known, _)| known == name).map(|(_, region)| region)
     }
-    /// How much hair grows at a point of a triangle, 0 to 1; 0 for a triangle that is not there.
+    /// Value of the region at a point of a triangle, 0 to 1; 0 for a missing triangle.
     pub fn grows(&self, triangle: u32, bary: Vec2) -> f32 {
         match self.drawn(REGION) {
             Some(region) => region.at(&self.head.surface, triangle, bary),
             None => self.mask_at(self.region(), triangle, bary),
         }
     }
-    /// Area of the region where it was drawn, cm2.
+    /// Area of the region if it was drawn, cm2.
     pub(crate) fn drawn_area(&self) -> Option<f32> {
         self.drawn(REGION).map(Drawn::area)
     }
-    /// No more hair than this grows anywhere in a triangle.
+    /// Upper bound of the region's value in a triangle.
     pub(crate) fn highest(&self, triangle: u32) -> f32 {
         let drawn = self.drawn(REGION).and_then(|region| region.highest(triangle));
         drawn.unwrap_or_else(|| {
             highest(self.region(), self.head.surface.triangles[triangle as usize])
         })
     }
-    /// The value of a mask at points of triangles; none without a mask of that name.
+    /// The values of a mask at points of triangles; `None` without a mask of that name.
     pub fn mask_named(&self, name: &str) -> Option<impl Fn(u32, Vec2) -> f32> {
         let (values, drawn) = (self.mask(name)?, self.drawn(name));
         Some(move |triangle, bary| match drawn {
@@ -468,13 +467,13 @@ impl Scalp {
             None => self.mask_at(values, triangle, bary),
         })
     }
-    /// A mask's value at a point of a triangle by those of its corners; 0 for a triangle that is not there.
+    /// A mask's value at a point of a triangle, interpolated from its corners; 0 for a missing triangle.
     pub fn mask_at(&self, mask: &[f32], triangle: u32, bary: Vec2) -> f32 {
         let Some(t) = self.head.surface.triangles.get(triangle as usize) else { return 0.0 };
         let [a, b, c] = t.map(|v| mask[v as usize]);
         a * (1.0 - bary.x - bary.y) + b * bary.x + c * bary.y
     }
-    /// Binds a point of a triangle.
+    /// The root at a point of a triangle.
     pub fn root(&self, triangle: u32, bary: Vec2) -> Root {
         let uv = self.head.uvs.as_ref().map_or(Vec2::ZERO, |uvs| {
             let [a, b, c] = uvs[triangle as usize];
@@ -488,18 +487,18 @@ impl Scalp {
             normal: self.head.surface.smooth_normal(triangle, bary),
         }
     }
-    /// The scalp point closest to `p`; none on an empty mesh or for a `p` that is not finite.
+    /// The scalp point closest to `p`; `None` on an empty mesh or if `p` is not finite.
     pub fn closest_root(&self, p: Vec3) -> Option<Root> {
         let Hit { triangle, bary, .. } = self.head.surface.closest(p)?;
         Some(self.root(triangle, bary))
     }
-    /// The skin, ready for inside tests. What it needs of the distance field is made as it is asked.
+    /// The skin, ready for inside tests. It builds what it needs of the distance field on demand.
     pub fn skin(&self) -> Skin<'_> {
         let head = &*self.head;
         let field = head.field.get_or_init(|| DistanceField::new(&head.surface));
         Skin::new(&head.surface, field, self.rough())
     }
-    /// Why hair on this mesh is not led round it; none on heads.
+    /// Why hair is not led around this mesh; `None` on heads.
     pub fn rough(&self) -> Option<Rough> {
         let Head { surface, space, masks, rough, .. } = &*self.head;
         *rough.get_or_init(|| Rough::of(surface, &masks[REGION], space.frame.unit()))
@@ -508,8 +507,8 @@ impl Scalp {
     pub fn bytes(&self) -> usize {
         self.sections.as_ref().map_or_else(|| self.head_bytes(), |sections| sections.bytes())
     }
-    /// Tells where the head and its sections lie, which other scalps may share, and the bytes that they hold by now: what is
-    /// asked for later (the distance field, the chart) is built then.
+    /// Reports the buffers of the head and its sections, which other scalps may share, and their current size in bytes:
+    /// what is built on demand (the distance field, the chart) counts from then on.
     pub fn buffers(&self, tell: &mut impl FnMut(usize, usize)) {
         tell(Arc::as_ptr(&self.head) as usize, self.head_bytes());
         if let Some(sections) = &self.sections {
@@ -547,7 +546,7 @@ pub(crate) mod tests {
         Scalp::new(surface, None, HeadFrame::IDENTITY, [(REGION.to_owned(), region)].into())
     }
 
-    /// The same ball for all tests that only read it: its distance field is built once.
+    /// The same ball, for all tests that only read it: its distance field is built once.
     pub(crate) fn shared_ball() -> std::sync::Arc<Scalp> {
         static BALL: OnceLock<std::sync::Arc<Scalp>> = OnceLock::new();
         BALL.get_or_init(|| ball().into()).clone()
@@ -578,7 +577,7 @@ pub(crate) mod tests {
     fn a_way_out_is_no_longer_than_it_must_be() {
         let scalp = ball();
         let skin = scalp.skin();
-        // The way that is known leads across the head; what is nearest does not.
+        // The given direction leads across the head; the nearest one does not.
         let (p, way) = (Vec3::new(0.3, 8.6, 1.0), Vec3::NEG_Y);
         let out = skin.escape(p, way, 0.1);
         let (height, _) = skin.exact(out).unwrap();

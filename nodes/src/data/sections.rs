@@ -1,13 +1,15 @@
 //! Sections: what partings cut the scalp into, and which of them a root lies in.
 //!
-//! methods.md 3, "partings first". On the flat map of the scalp ([`super::chart`]) the cells of a fine grid are joined where the
-//! way between their middles crosses no parting; what hangs together is a section. A point belongs to the section of a cell's
-//! middle that it reaches without crossing a parting, so that borders are as sharp as the lines although the grid is not.
+//! methods.md 3, "partings first". On the flat map of the scalp ([`super::chart`]), cells of a fine grid are joined if
+//! the segment between their centres crosses no parting; each connected set is a section. A point belongs to the
+//! section of a cell centre that it reaches without crossing a parting, so that borders are as sharp as the lines
+//! although the grid is not.
 //!
-//! Guarantees: of two points on the two sides of a line that cuts, each has the section of its own side, however near they are;
-//! distances to partings are straight ones and exact to the lines' pieces; ids hang from the lines that bound a section and from
-//! their sides of it, so that moving a line, or cutting elsewhere, keeps them; a name means the same skin however often it is cut on
-//! ([`Names`]). Not promised: a section narrower than a cell (1.1 mm), which is bare skin.
+//! Guarantees: two points on the two sides of a cutting line belong to the sections on their own sides, however close
+//! they are; distances to partings are straight and exact to the lines' segments; ids derive from the lines that bound
+//! a section and from their sides, so that moving a line, or cutting elsewhere, keeps them; a name refers to the same
+//! skin however often it is cut again ([`Names`]). Not promised: a section narrower than a cell (1.1 mm), which is bare
+//! skin.
 
 use super::chart::{Spread, around, cell_of, cross, middle};
 pub(crate) use super::cut::off_the_scalp;
@@ -20,16 +22,16 @@ use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-/// A parting line, on the scalp.
+/// A parting line on the scalp.
 #[derive(Clone, Debug)]
 pub struct Parting {
     /// Stable id, never 0.
     pub id: u64,
     /// Points on the scalp, at most a few millimetres apart.
     pub points: Vec<Vec3>,
-    /// Half of its bare skin's width, cm: no hair is rooted nearer to it.
+    /// Half the width of its bare skin, cm: no hair is rooted closer to it.
     pub half_width: f32,
-    /// Whether a pattern drew it: where it parts nothing, or only what is too small, it is left out.
+    /// Whether a pattern drew it: where it divides nothing, or only slivers, it is dropped.
     pub of_pattern: bool,
 }
 
@@ -38,27 +40,26 @@ pub struct Parting {
 pub struct Section {
     /// Stable id, never 0.
     pub id: u64,
-    /// What people call it: the name given to it, else one made from that of the section it was cut from, else from where it
-    /// lies. No other section has it.
+    /// Name for people: the given one, or one made from the section it was cut from, or from its position. Unique.
     pub name: String,
-    /// Skin on which hair grows, cm2.
+    /// Area of skin on which hair grows, cm2.
     pub area: f32,
-    /// A point of the scalp in its middle.
+    /// A point of the scalp at its centre.
     pub middle: Vec3,
     /// Whether it reaches the hairline.
     pub at_hairline: bool,
 }
 
-/// Where a point of the scalp lies among the partings.
+/// Position of a point of the scalp relative to the partings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Number of the section.
+    /// Index of the section.
     pub section: u32,
-    /// Straight distance to the parting whose bare skin is nearest, cm; a great number without any.
+    /// Straight distance to the parting whose bare skin is nearest, cm; a large number if there is none.
     pub distance: f32,
-    /// Half of that parting's width, cm.
+    /// Half the width of that parting, cm.
     pub bare: f32,
-    /// Whether hair may be rooted there: not on a parting's bare skin.
+    /// Whether hair may be rooted there: off the bare skin of partings.
     pub free: bool,
 }
 
@@ -67,33 +68,33 @@ pub struct Sections {
     key: Key,
     whole: Key,
     spread: Spread,
-    /// The widest of the partings' half widths, cm.
+    /// Half the width of the widest parting, cm.
     widest: f32,
     list: Vec<Section>,
     partings: Vec<Parting>,
     names: Names,
-    /// Where the map does not show the region: the sections of its mesh.
+    /// Sections cut along the mesh, if the map does not show the region.
     mesh: Option<MeshCut>,
     lines: Lines,
-    /// How far out the skin is in each cell, cm.
+    /// Distance of the skin from the centre in each cell, cm.
     out: Vec<f32>,
-    /// Number of each cell's section, or [`NONE`].
+    /// Index of each cell's section, or [`NONE`].
     labels: Vec<u32>,
     digests: OnceLock<Digests>,
 }
 
-/// In no section; no piece.
+/// No section; no segment.
 pub const NONE: u32 = u32::MAX;
-/// What lies so much farther out or in than the skin on the map is another layer, such as an ear, and in no section, cm.
+/// Skin this much farther out or in than the skin on the map is another layer, such as an ear, and in no section, cm.
 const LAYER: f32 = 1.0;
-/// A line bounds a section that it runs beside for so many cm: less is a corner.
+/// A line bounds a section if it runs beside it for at least this long, cm; less is a corner.
 const CONTACT: f32 = 0.3;
-/// A distance where there are no partings, cm.
+/// Distance reported where there are no partings, cm.
 pub(super) const FAR: f32 = 1e4;
 
 impl Sections {
-    /// Cuts a scalp. `names` are given names, each with a point in what it names; those of the sections that the scalp has already
-    /// stay what they are. Also gives what there is to say about it.
+    /// Cuts a scalp. `names` are given names, each with a point in what it names; names of existing sections stay. Also
+    /// returns what there is to report.
     pub fn new(
         scalp: &Scalp,
         partings: Vec<Parting>,
@@ -164,7 +165,7 @@ impl Sections {
     pub fn whole(&self) -> Key {
         self.whole
     }
-    /// All sections; their numbers are places in this list.
+    /// All sections, in the order of their indices.
     pub fn list(&self) -> &[Section] {
         read_all();
         &self.list
@@ -174,7 +175,7 @@ impl Sections {
         read_all();
         &self.partings
     }
-    /// What each name means.
+    /// What each name refers to.
     pub fn names(&self) -> &Names {
         read_all();
         &self.names
@@ -183,17 +184,17 @@ impl Sections {
     pub fn widest_half(&self) -> f32 {
         self.widest
     }
-    /// Number of the section of each cell of the map, or [`NONE`].
+    /// Index of the section of each cell of the map, or [`NONE`].
     pub fn labels(&self) -> &[u32] {
         read_all();
         &self.labels
     }
-    /// Number of the section of a cell of the map, or [`NONE`].
+    /// Index of the section of a cell of the map, or [`NONE`].
     pub(super) fn label(&self, cell: usize) -> u32 {
         read_cell(cell);
         self.labels[cell]
     }
-    /// What is said where, made when first asked for.
+    /// Digests by place, computed on first use.
     pub(super) fn digests(&self) -> &Digests {
         self.digests.get_or_init(|| {
             let id = |label| self.list.get(label as usize).map_or(0, |section| section.id);
@@ -205,7 +206,7 @@ impl Sections {
         let section = self.of_point(point)?;
         Some(self.list[section as usize].id)
     }
-    /// Number of the section under a point.
+    /// Index of the section under a point.
     pub(super) fn of_point(&self, point: Vec3) -> Option<u32> {
         match &self.mesh {
             Some(mesh) => {
@@ -215,7 +216,7 @@ impl Sections {
             None => self.section_at(self.spread.flat(point)),
         }
     }
-    /// Number of the section under a root.
+    /// Index of the section under a root.
     pub fn of(&self, root: &Root) -> Option<u32> {
         match &self.mesh {
             Some(mesh) => {
@@ -225,7 +226,7 @@ impl Sections {
             None => self.section_at(self.spread.flat(root.point)),
         }
     }
-    /// Whether the sections are those of a mesh that no map shows: hair is not led within them.
+    /// Whether the sections were cut along a mesh that the map does not show: hair is not led within them.
     pub fn are_of_a_mesh(&self) -> bool {
         self.mesh.is_some()
     }
@@ -233,7 +234,7 @@ impl Sections {
     pub fn distance(&self, root: &Root) -> f32 {
         self.distance_at(self.spread.flat(root.point), root.point)
     }
-    /// Section and distance of a point of the scalp; none where there is no section.
+    /// Section and distance of a point of the scalp; `None` where there is no section.
     pub fn at(&self, point: Vec3) -> Option<Place> {
         let q = self.spread.flat(point);
         let section = self.of_point(point)?;
@@ -253,7 +254,7 @@ impl Sections {
         self.nearest_at(q, p).map_or(FAR, |(distance, _)| distance)
     }
 
-    /// The piece whose bare skin is nearest, and the distance to it (not to its bare skin), cm.
+    /// The segment whose bare skin is nearest, and the distance to the segment (not to its bare skin), cm.
     fn nearest_at(&self, q: Vec2, p: Vec3) -> Option<(f32, u32)> {
         let own = cell_of(q);
         if own.is_none() && self.mesh.is_none() {
@@ -269,7 +270,7 @@ impl Sections {
                 }
             }
         };
-        // The list knows all pieces within a cell's width, the cells' own pieces those beyond.
+        // This list has all segments within a cell's width; the cells' own lists have those beyond.
         self.lines.near_place(p).iter().for_each(|i| see(*i));
         if let Some(own) = own {
             self.lines.near_cell(own).iter().for_each(|i| see(*i));
@@ -278,36 +279,36 @@ impl Sections {
         }
         (best.1 != NONE).then_some((best.2, best.1))
     }
-    /// Whether the straight way between two points of space leads over a parting or as near to it as `aside`, a share of half its
-    /// width, at most a quarter of a centimetre off it.
+    /// Whether the segment between two points in space crosses a parting, or comes as near to it as the fraction
+    /// `aside` of half its width, at most a quarter of a centimetre off it.
     pub(crate) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
         self.lines.last_passed(2, |k| [from, to][k], aside).is_some()
     }
-    /// The last point of a hair up to which it leads over a parting, at most a quarter of a centimetre off it.
+    /// The last point of a hair up to which it crosses a parting, at most a quarter of a centimetre off it.
     pub(crate) fn last_passed(&self, n: usize, hair: impl Fn(usize) -> Vec3) -> Option<usize> {
         self.lines.last_passed(n, hair, 0.0)
     }
-    /// Whether a hair leads over a parting, at most a quarter of a centimetre off it.
+    /// Whether a hair crosses a parting, at most a quarter of a centimetre off it.
     pub(crate) fn is_over_line(&self, hair: &[Vec3]) -> bool {
         self.last_passed(hair.len(), |k| hair[k]).is_some()
     }
-    /// The straight piece of a parting whose bare skin is nearest to a point of the scalp, and half its width.
+    /// The segment of a parting whose bare skin is nearest to a point of the scalp, and half its width.
     pub(super) fn nearest_piece(&self, p: Vec3) -> Option<([Vec3; 2], f32)> {
         let (_, i) = self.nearest_at(self.spread.flat(p), p)?;
         let piece = &self.lines.pieces[i as usize];
         Some((piece.ends, piece.half_width))
     }
-    /// Straight distance (cm) from a point of the scalp, in a section or not, to the nearest parting.
+    /// Straight distance (cm) from a point of the scalp, inside a section or not, to the nearest parting.
     pub(super) fn distance_to(&self, p: Vec3) -> Option<f32> {
         Some(self.nearest_at(self.spread.flat(p), p)?.0)
     }
-    /// How far the middle of a cell of the map is from the nearest parting, cm.
+    /// Distance of the centre of a cell of the map from the nearest parting, cm.
     pub(super) fn clear(&self, cell: usize) -> f32 {
         read_cell(cell);
         self.lines.clear[cell]
     }
 
-    /// Whether the straight way between two points of the scalp crosses a parting.
+    /// Whether the segment between two points of the scalp crosses a parting.
     pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
         if self.mesh.is_some() {
             return self.passed(from, to, 0.0);
@@ -322,14 +323,14 @@ impl Sections {
         cells.any(|cell| self.lines.near_cell(cell).iter().any(crossed))
     }
 
-    /// Areas, middles and ids.
+    /// Areas, centres and ids.
     fn describe(&mut self, scalp: &Scalp) {
         let spots = scalp.chart().spots();
         let count = self.labels.iter().filter(|l| **l != NONE).max().map_or(0, |l| *l as usize + 1);
         let mut area = vec![0.0f64; count];
         let mut sum = vec![glam::DVec3::ZERO; count];
         let mut hairline = vec![false; count];
-        // How long each line runs beside a section on which side, and where along itself on the whole.
+        // Length and mean fraction over which each line runs beside a section, by side.
         let mut beside: BTreeMap<(u32, u64, bool), (f32, f32)> = BTreeMap::new();
         for (cell, label) in self.labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
             let (slot, spot) = (*label as usize, &spots[cell]);
@@ -368,7 +369,7 @@ impl Sections {
             .collect();
     }
 
-    /// The centre of gravity of each section, or where that lies outside (a ring), the point farthest from all partings.
+    /// The centroid of each section or, if that lies outside (a ring), the point farthest from all partings.
     fn middles(&self, scalp: &Scalp, sum: &[glam::DVec3], area: &[f64]) -> Vec<Vec3> {
         let chart = scalp.chart();
         let mut farthest: Vec<(f32, usize)> = vec![(-1.0, 0); sum.len()];
@@ -434,7 +435,7 @@ impl Sections {
                 ));
             }
         }
-        // Sections that nobody named: by what they were cut from, and by where they lie.
+        // Sections without a given name are named after the section they were cut from, and after their position.
         let base = |slot: usize| match (called[slot], before) {
             (Some(name), _) => name.to_owned(),
             (None, Some(before)) if origins[slot] != NONE => {
@@ -452,7 +453,7 @@ impl Sections {
         for (slot, base) in bases.iter().enumerate() {
             let alone = [u32::try_from(slot).expect("few sections")];
             let mut name = base.clone();
-            // One name for one section: where several share it, or where it means more, they are numbered.
+            // A name belongs to one section: if several share it, or if it refers to more than one, they are numbered.
             let is_own =
                 |name: &str, names: &Names| names.0.get(name).is_none_or(|all| *all == alone);
             if together[base.as_str()] > 1 || !is_own(base, &names) {
@@ -472,7 +473,7 @@ impl Sections {
         self.names = names;
     }
 
-    /// For each section that of `before` which it was cut from, by where most of it lies, or [`NONE`].
+    /// For each section, the section of `before` that most of it was cut from, or [`NONE`].
     fn origins(&self, before: &Self) -> Vec<u32> {
         let mut shared: BTreeMap<(u32, u32), usize> = BTreeMap::new();
         for (now, old) in self.labels.iter().zip(&before.labels) {
@@ -490,7 +491,7 @@ impl Sections {
         best.into_iter().map(|(_, old)| old).collect()
     }
 
-    /// That a name's point lies in no section, and where the nearest is.
+    /// Message that a name's point lies in no section, and where the nearest section is.
     fn misses(&self, scalp: &Scalp, name: &str, anchor: Vec3) -> String {
         let cells =
             self.labels.iter().zip(scalp.chart().spots()).filter(|(label, _)| **label != NONE);
@@ -502,7 +503,7 @@ impl Sections {
         format!("the name {name:?} stands on no section, but on bare skin{near}")
     }
 
-    /// A section's middle in the head frame, as names are typed.
+    /// A section's centre in the head frame, as names are typed.
     fn place_of(&self, scalp: &Scalp, number: u32) -> [f32; 3] {
         let p = scalp.given(self.list[number as usize].middle);
         p.to_array().map(|x| (x * 10.0).round() / 10.0)
@@ -518,8 +519,8 @@ impl Sections {
     }
 }
 
-/// Ids of sections, from how long each line runs beside which of them, on which side, and where along itself on the whole. Less than
-/// `least` cm is no border.
+/// Ids of sections, from the length over which each line runs beside them, by side, and its mean fraction along the
+/// line. Less than `least` cm is not a border.
 pub(super) fn ids(
     count: usize,
     beside: BTreeMap<(u32, u64, bool), (f32, f32)>,
@@ -536,7 +537,8 @@ pub(super) fn ids(
         bounds.iter().fold(curve_id(0, SECTION_TAG, 0), step)
     };
     let mut ids: Vec<u64> = bounds.iter().map(|b| id(b)).collect();
-    // Sections between the very same lines, such as those of two lines that cross twice, are told by where along the first.
+    // Sections between the same lines, such as those of two lines that cross twice, are distinguished by position along
+    // the first.
     let mut order: Vec<(u64, f32, usize)> = (0..count)
         .map(|slot| (ids[slot], bounds[slot].first().map_or(0.0, |b| b.2), slot))
         .collect();
@@ -551,7 +553,8 @@ pub(super) fn ids(
     ids
 }
 
-/// Names with points in head units, such as `left puff 4 7 -3; fringe 0 6 8`, and what of the text is none.
+/// Parses names with points in head units, such as `left puff 4 7 -3; fringe 0 6 8`; also returns the entries that are
+/// invalid.
 pub fn named_points(text: &str) -> (Vec<(String, Vec3)>, Vec<String>) {
     let (mut names, mut faults) = (vec![], vec![]);
     for entry in text.split([';', '\n']).map(str::trim).filter(|e| !e.is_empty()) {
@@ -570,17 +573,17 @@ pub fn named_points(text: &str) -> (Vec<(String, Vec3)>, Vec<String>) {
     (names, faults)
 }
 
-/// What the names of a scalp's sections mean: each the numbers of one section or more. A section that was cut on stays, by its name,
-/// the union of its parts.
+/// What the names of a scalp's sections refer to: each to the indices of one or more sections. The name of a section
+/// that was cut again refers to all its parts.
 #[derive(Clone, Debug, Default)]
 pub struct Names(BTreeMap<String, Vec<u32>>);
 
 impl Names {
-    /// The numbers of the sections that a name means, upwards.
+    /// The indices of the sections that a name refers to, ascending.
     pub fn get(&self, name: &str) -> Option<&[u32]> {
         self.0.get(name).map(Vec::as_slice)
     }
-    /// Every name with the sections that it means.
+    /// Every name with its sections.
     pub fn each(&self) -> impl Iterator<Item = (&str, &[u32])> {
         self.0.iter().map(|(name, numbers)| (name.as_str(), numbers.as_slice()))
     }
@@ -595,7 +598,7 @@ impl std::fmt::Debug for Sections {
     }
 }
 
-/// Where a point of the scalp lies, in words.
+/// Position of a point of the scalp, in words.
 fn whereabouts(scalp: &Scalp, p: Vec3) -> String {
     let h = scalp.given(p);
     let d = h.try_normalize().unwrap_or(Vec3::Y);
@@ -663,7 +666,8 @@ mod tests {
                 continue;
             }
             let place = sections.at(p).unwrap();
-            // The lines' points lie on flat triangles: between them they are a few hundredths of a millimetre off the plane.
+            // The lines' points lie on flat triangles: in between, they are a few hundredths of a millimetre off the
+            // plane.
             let off = [p.x + 3.0, p.x - 0.2, p.z - 4.0];
             if off.iter().any(|x| x.abs() < 0.01) {
                 continue;
@@ -673,7 +677,7 @@ mod tests {
             assert_eq!(*of_side.entry(side).or_insert(place.section), place.section, "{p}");
             assert_eq!(place.free, place.distance >= 0.08);
             let least = off.iter().map(|x| x.abs()).fold(f32::MAX, f32::min);
-            // Nearer than that the planes of the lines are as far as the lines.
+            // Closer than that, the planes of the lines are as far as the lines.
             if least < 0.4 && p.y > 2.0 {
                 assert!((place.distance - least).abs() < 0.02 + 0.2 * least, "{place:?} {least}");
             }
@@ -691,7 +695,7 @@ mod tests {
         let mut more = three(0.5);
         more.push(across(9, 5.5, false));
         let (c, _) = cut(more, &[]);
-        // The two sections right of line 2 are cut in two each; the other four are as they were.
+        // The two sections right of line 2 are cut in two each; the other four are unchanged.
         assert_eq!(ids(&a).intersection(&ids(&c)).count(), 4);
         assert_eq!(c.list().len(), 8);
         assert_eq!(ids(&c).len(), 8);
@@ -710,7 +714,7 @@ mod tests {
             ["\"left\" and \"right\" stand on one section: either name means all of it"]
         );
         assert_eq!(one.names().get("right"), Some(&[0][..]));
-        // One name twice is one part of two, for masks as for people.
+        // A repeated name is a single part, for masks as for people.
         let (both, said) = cut(vec![across(1, 0.3, false)], &[name("all", 4.0), name("all", -4.0)]);
         assert_eq!(both.names().get("all"), Some(&[0, 1][..]), "{said:?}");
         let called: BTreeSet<&str> = both.list().iter().map(|s| s.name.as_str()).collect();

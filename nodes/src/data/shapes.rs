@@ -1,27 +1,27 @@
-//! The list of cross-sections that a curl draws from (Lightyear, 3.1), as a document states it.
+//! The list of profiles that a curl is made from (Lightyear, 3.1), as a document states it.
 //!
-//! This is the wish: which shapes, in which tier. Turning it into 4,096 entries and into points is
-//! the curl node's work.
+//! This is only the specification: which profiles, in which tier. The curl node turns it into 4,096 entries and into
+//! points.
 
 use crate::maths::hash::KeyBuilder;
 use glam::Vec2;
 
-/// A closed curve that one turn of a curl follows.
+/// The profile of one turn: a closed curve.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Section {
     /// A circle: the helix.
     Circle,
-    /// An ellipse; the ratio of its axes, above 0 up to 1.
+    /// An ellipse by the ratio of its axes, above 0 up to 1.
     Ellipse(f32),
-    /// A Lamé curve (superellipse) of this exponent, 0.3 to 20: 2 is a circle, less is pinched, more is square.
+    /// A Lamé curve (superellipse) with this exponent, 0.3 to 20: 2 is a circle, less is pinched, more is square.
     Lame(f32),
     /// A regular polygon of 3 to 12 sides.
     Polygon(u32),
     /// A polar rose 1 + depth cos(petals phi): 2 to 12 petals, depth 0 to 0.95.
     Rose {
-        /// How many petals.
+        /// Number of petals.
         petals: u32,
-        /// How deep the waist between petals is.
+        /// Depth of the waist between petals.
         depth: f32,
     },
     /// Drawn points of a closed Catmull-Rom curve, at least three.
@@ -29,16 +29,16 @@ pub enum Section {
 }
 
 impl Section {
-    /// The fewest and the most points of a drawn one.
+    /// The fewest and the most points of a drawn profile.
     pub const CORNERS: (usize, usize) = (3, 256);
-    /// Points of a drawn one are nearer to the middle than this.
+    /// Points of a drawn profile are closer to the centre than this.
     pub const FARTHEST: f32 = 1e3;
 }
 
-/// How often a shape occurs.
+/// How often a profile occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Tier {
-    /// The primary shape: probability U, the uniformity.
+    /// Primary: its probability is U, the uniformity.
     A,
     /// Secondary.
     B,
@@ -46,12 +46,12 @@ pub enum Tier {
     C,
 }
 
-/// Shapes with their tiers; within a tier all are equally likely.
+/// Profiles with their tiers; within a tier, all are equally likely.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShapeList(pub Vec<(Tier, Section)>);
 
 impl ShapeList {
-    /// Why the list cannot be used, in words for the artist; none when it can.
+    /// Why the list cannot be used, in words for the artist; `None` if it can.
     pub fn fault(&self) -> Option<String> {
         let within = |x: f32, lo: f32, hi: f32| x.is_finite() && (lo..=hi).contains(&x);
         for (_, section) in &self.0 {

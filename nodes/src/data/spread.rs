@@ -1,43 +1,44 @@
-//! The scalp region as a line: equal lengths of it have equal area, and what is near on it is near on the scalp.
+//! The region unrolled into a line: equal lengths have equal area, and neighbours on the line are neighbours on the
+//! scalp.
 //!
-//! The triangles are halved again and again where the widest gap between their middles is, and each half has a part of the line
-//! by its area. Gaps and parts are chosen so that rounding does not choose: a head that another program wrote with other last
-//! digits, or with its triangles in another order, has the same line, and where single triangles are cut otherwise the line changes
-//! only there.
+//! Triangles are halved repeatedly where the gap between their centres is widest, and each half gets a part of the line
+//! in proportion to its area. Gaps and parts are chosen robustly against rounding: a head written by another program
+//! with different last digits, or with its triangles in another order, has the same line; where single triangles are
+//! split differently, the line changes only there.
 //!
-//! Guarantees: the line depends on the mesh and the region alone; every triangle with any region and any area is on it once, with
-//! a length that is its area's to a few parts in a hundred, and many together to fewer in a thousand. Not promised: that what is near on the scalp is
-//! near on the line.
+//! Guarantees: the line depends only on the mesh and the region; every triangle with a nonzero region and area is on it
+//! once, with a length proportional to its area to a few percent, and for large sets to less than a few per thousand.
+//! Not promised: that neighbours on the scalp are neighbours on the line.
 
 use crate::maths::closest::Surface;
 use glam::Vec3;
 
 /// The line.
 pub(crate) struct Spread {
-    /// Triangles with any region along the line, and where each ends, 0 to 1.
+    /// Triangles of the region in order along the line, and the end of each, 0 to 1.
     triangles: Vec<u32>,
     ends: Vec<f64>,
-    /// For each of `2^bits` equal pieces of the line the number of the first triangle that it may touch, and all of them at the end:
-    /// a place is looked for among the few of its piece.
+    /// For each of `2^bits` equal pieces of the line, the index of the first triangle that it may touch, and their
+    /// number at the end: a position is looked up among the few of its piece.
     pieces: Vec<u32>,
     bits: u32,
     area: f64,
 }
 
-/// Of the fraction of two triangles' area that the smaller has, so many bits count. Of more triangles, whose rounding evens out,
-/// more do: half a bit each time that their number doubles.
+/// Bits kept of the smaller area's fraction when two triangles are split. Larger sets, whose rounding averages out,
+/// keep more: half a bit more for each doubling of their number.
 const SHARE_BITS: u32 = 4;
-/// Of the whole area, for the count that is asked by it.
+/// Bits kept of the total area, for counts derived from it.
 const AREA_BITS: u32 = 16;
-/// Gaps narrower than this, as a part of the largest coordinate, may be rounding.
+/// Gaps narrower than this, as a fraction of the largest coordinate, may be rounding.
 const ROUNDING: f32 = 1.0 / 32_768.0;
-/// Of two that are about the same the first is taken, unless it is less than this part of the second.
+/// Of two similar gaps, the first is taken unless it is less than this fraction of the second.
 const NEARLY: f32 = 0.7;
 
-/// Half of the triangles is: half, and up to one of so many more or less.
+/// Half of the triangles means half, plus or minus up to one in this many.
 const NEAR: usize = 8;
 
-/// A triangle on its way onto the line: middle, number, area in 2^-50 of the whole.
+/// A triangle to be laid out: centre, index, area in 2^-50 of the whole.
 struct Item {
     at: Vec3,
     triangle: u32,
@@ -45,7 +46,7 @@ struct Item {
 }
 
 impl Spread {
-    /// Of the region with these highest values, one a triangle.
+    /// The line of a region with these upper bounds, one per triangle.
     pub(crate) fn new(surface: &Surface, highest: &dyn Fn(u32) -> f32) -> Self {
         let area = |t: u32| {
             let highest = highest(t);
@@ -56,7 +57,7 @@ impl Spread {
         let area: f64 = areas.iter().map(|(_, area)| area).sum();
         let item = |(triangle, part): (u32, f64)| {
             let [a, b, c] = surface.corners(triangle);
-            // Whole numbers add up to the same in any order.
+            // Integers add up to the same in any order.
             let area = ((part / area * (1u64 << 50) as f64) as u64).max(1);
             Item { at: (a + b + c) / 3.0, triangle, area }
         };
@@ -87,7 +88,7 @@ impl Spread {
         spread
     }
 
-    /// The region's area, cm2, a soft triangle counted with its highest corner.
+    /// The region's area, cm2; a soft triangle counts with its highest corner.
     pub(crate) fn area(&self) -> f64 {
         self.area
     }
@@ -97,7 +98,8 @@ impl Spread {
         4 * (self.triangles.len() + 2 * self.ends.len() + self.pieces.len())
     }
 
-    /// The triangle at a place of the line, in 2^-32 of it, and how far through that the place is, 0 to 1; none without any region.
+    /// The triangle at a position of the line, in 2^-32 of it, and the fraction of the triangle passed there, 0 to 1;
+    /// `None` without a region.
     #[inline]
     pub(crate) fn place(&self, along: u32) -> Option<(u32, f64)> {
         let at = unit(along);
@@ -110,29 +112,29 @@ impl Spread {
     }
 }
 
-/// 2^-32 of it as a number from 0 to 1.
+/// 2^-32 of the line as a number from 0 to 1.
 #[inline]
 fn unit(along: u32) -> f64 {
     f64::from(along) * (1.0 / 4_294_967_296.0)
 }
 
-/// A positive number with so many bits behind its first.
+/// Rounds a positive number to this many bits after the leading one.
 fn rounded(x: f64, bits: u32) -> f64 {
     let off = 52 - bits;
     f64::from_bits((x.to_bits() + (1 << (off - 1))) >> off << off)
 }
 
-/// Lays triangles on the line.
+/// Lays triangles out on the line.
 struct Layer {
     rounding: f32,
-    /// The middle of the last triangle that was laid.
+    /// The centre of the last triangle laid out.
     last: Vec3,
     triangles: Vec<u32>,
     ends: Vec<f64>,
 }
 
 impl Layer {
-    /// These on the line from `start` to `end`.
+    /// Lays these out on the line from `start` to `end`.
     fn lay(&mut self, items: &mut [Item], start: f64, end: f64) {
         if let [item] = items {
             self.triangles.push(item.triangle);
@@ -142,7 +144,7 @@ impl Layer {
         }
         let bits = SHARE_BITS + items.len().ilog2() / 2;
         let (one, other) = self.halves(items);
-        // That which lies nearer to the last is next.
+        // The half closer to the last triangle comes first.
         let far = |half: &[Item]| {
             let (low, high) = bounds(half);
             self.last.distance_squared(0.5 * low + 0.5 * high)
@@ -157,7 +159,7 @@ impl Layer {
         self.lay(second, middle, end);
     }
 
-    /// Two or more in two halves, where the gap between middles along the longer side is widest near half of them.
+    /// Splits two or more into halves, at the widest gap between centres along the longest side, near the median.
     fn halves<'a>(&self, items: &'a mut [Item]) -> (&'a mut [Item], &'a mut [Item]) {
         let (low, high) = bounds(items);
         let size = high - low;
@@ -166,7 +168,7 @@ impl Layer {
         let count = items.len();
         let order = |a: &Item, b: &Item| a.at[axis].total_cmp(&b.at[axis]);
         let gaps = |items: &mut [Item], from: usize, to: usize| -> Option<usize> {
-            // Those before and behind each gap from `from` to `to`, in order.
+            // Those before and after each gap from `from` to `to`, in order.
             if from > 1 {
                 items.select_nth_unstable_by(from - 1, order);
             }
@@ -184,7 +186,7 @@ impl Layer {
         let (from, to) = ((count / 2 - near).max(1), (count / 2 + near).min(count - 1));
         let at = gaps(items, from, to).or_else(|| gaps(items, 1, count - 1));
         let at = at.unwrap_or_else(|| {
-            // All in one place.
+            // All at one position.
             items.sort_unstable_by_key(|item| item.triangle);
             count / 2
         });
@@ -192,14 +194,14 @@ impl Layer {
     }
 }
 
-/// The box about the middles.
+/// Bounding box of the centres.
 fn bounds(items: &[Item]) -> (Vec3, Vec3) {
     let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     items.iter().fold(none, |(low, high), item| (low.min(item.at), high.max(item.at)))
 }
 
-/// No less than the region's value at the highest corner of a triangle, and an eighth more at most: what counts is not what the
-/// value was rounded to. At most 1.
+/// At least the region's value at the highest corner of a triangle, and at most an eighth more, so that rounding of the
+/// value does not matter. At most 1.
 #[inline]
 pub(crate) fn highest(region: &[f32], corners: [u32; 3]) -> f32 {
     let [a, b, c] = corners.map(|v| region[v as usize]);
@@ -217,12 +219,12 @@ mod tests {
     use crate::data::scalp::tests::ball;
     use crate::maths::hash::Dice;
 
-    /// For each of 20,000 places of the line, evenly spread, where it lies.
+    /// Positions of 20,000 evenly spaced points of the line.
     fn places(spread: &Spread, surface: &Surface) -> Vec<Vec3> {
         let step = u32::MAX / 20_000;
         let at = |i: u32| {
             let (triangle, far) = spread.place(i * step).expect("there is a region");
-            // Somewhere in the triangle by how far through it.
+            // Somewhere in the triangle, depending on the fraction.
             surface.at(triangle, glam::Vec2::new(0.5 * far as f32, 0.25))
         };
         (0..20_000).map(at).collect()
@@ -232,7 +234,8 @@ mod tests {
     fn a_head_rounded_elsewhere_and_in_another_order_has_the_same_line() {
         let scalp = ball();
         let (surface, region) = (scalp.surface(), scalp.region());
-        // As a character stands in a file: 160 cm up, where coordinates are exact to 1.5e-5 cm, and rounded once more.
+        // As in a file of a standing character: 160 cm up, where coordinates are exact to 1.5e-5 cm, and rounded once
+        // more.
         let up = |p: &Vec3, round: f32| (*p + Vec3::Y * 160.0) * round * (1.0 / round);
         let points = |round: f32| surface.points.iter().map(|p| up(p, round)).collect::<Vec<_>>();
         let of = |points: Vec<Vec3>, triangles: Vec<[u32; 3]>| {
@@ -284,7 +287,7 @@ mod tests {
     #[test]
     fn triangles_in_one_place_or_like_steps_are_laid_without_end() {
         let dice = Dice::new(3, 0, "steps");
-        // A thousand on one spot; each half as far as the one before; one far from many that lie together.
+        // A thousand at one position; each half as far as the previous one; one far from a dense cluster.
         let spot = |_: u32| Vec3::ONE;
         let steps = |i: u32| Vec3::X * f32::from_bits((127 - i % 120) << 23);
         let lone = |i: u32| {

@@ -1,5 +1,5 @@
-//! Pen strokes as a document keeps them: in the head's own frame, so that they fit another head. A stroke that paints a mask
-//! has a brush; its samples are the dabs.
+//! Pen strokes as a document stores them: in the head frame, so that they transfer to another head. Mask strokes have a
+//! brush; their samples are the dabs.
 
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
@@ -8,20 +8,20 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::NoUninit)]
 #[repr(C)]
 pub struct Sample {
-    /// Where the pen was: head frame (right, up, forward from the cranium's centre), in head units (cm on a head of radius
-    /// 8.9 cm).
+    /// Pen position in the head frame (right, up, forward from the cranium's centre), in head units (cm on a head of
+    /// radius 8.9 cm).
     pub position: Vec3,
     /// 0 to 1.
     pub pressure: f32,
     /// Seconds since the stroke began.
     pub time: f32,
-    /// How far the pen leans to the right and towards the user, in quotients of 90 degrees, each -1 to 1;
-    /// 0 is upright, and what devices without tilt give.
+    /// Tilt of the pen to the right and toward the user, as a fraction of 90 degrees, each -1 to 1; 0 is upright, and
+    /// the value of devices without tilt.
     pub tilt: Vec2,
 }
 
 impl Sample {
-    /// Whether every number of it is finite.
+    /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.position.is_finite()
             && self.pressure.is_finite()
@@ -33,18 +33,18 @@ impl Sample {
 /// What a stroke does to a painted mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mode {
-    /// Brings the mask towards 1.
+    /// Blends the mask toward 1.
     Paint,
-    /// Brings it towards 0.
+    /// Blends the mask toward 0.
     Erase,
-    /// Evens it out.
+    /// Smooths the mask.
     Smooth,
-    /// Sets all of the section, or of the head, to the strength.
+    /// Sets the whole section, or head, to the strength.
     Flood,
 }
 
 impl Mode {
-    /// Every mode with its word in documents.
+    /// Every mode and its word in documents.
     pub const ALL: &[(Mode, &str)] = &[
         (Mode::Paint, "paint"),
         (Mode::Erase, "erase"),
@@ -55,26 +55,26 @@ impl Mode {
     pub fn word(self) -> &'static str {
         Self::ALL.iter().find(|(mode, _)| *mode == self).map_or("", |(_, word)| word)
     }
-    /// The mode of a word.
+    /// The mode with this word.
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, own)| *own == word).map(|(mode, _)| *mode)
     }
 }
 
-/// The brush of a stroke that paints a mask.
+/// The brush of a mask stroke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brush {
     /// What it does.
     pub mode: Mode,
-    /// How far a dab reaches, head units; within [`Brush::RADII`].
+    /// Radius of a dab, head units; within [`Brush::RADII`].
     pub radius: f32,
-    /// What one pass at full pressure does, 0 to 1; of a flood, the value.
+    /// Effect of one pass at full pressure, 0 to 1; for a flood, the value.
     pub strength: f32,
-    /// Whether it does the same on the other side of the head.
+    /// Whether it also acts on the other side of the head.
     pub mirrored: bool,
-    /// Whether the stroke is closed to a line: then it acts on all that lies inside, which is the smaller part of the surface.
+    /// Whether the stroke is closed: it then acts on everything inside, the smaller part of the surface.
     pub closed: bool,
-    /// The section of a parted scalp that it keeps to; empty: none.
+    /// The section of a parted scalp that it is limited to; empty: none.
     pub section: String,
 }
 
@@ -117,10 +117,10 @@ pub struct Stroke {
     pub id: u64,
     /// At least one.
     pub samples: Vec<Sample>,
-    /// The samples as drawn, kept from the first edit on so that the stroke can be fitted again; empty
-    /// before. Means nothing to evaluation and is no part of keys.
+    /// The samples as drawn, kept from the first edit on so that the stroke can be fitted again; empty before. Ignored
+    /// by evaluation and keys.
     pub drawn: Vec<Sample>,
-    /// With what it paints a mask; none for a line.
+    /// The brush of a mask stroke; `None` for a curve.
     pub brush: Option<Brush>,
 }
 
@@ -156,7 +156,7 @@ impl Strokes {
         let samples = self.0.iter().map(|stroke| stroke.samples.len() + stroke.drawn.len());
         samples.sum::<usize>() * size_of::<Sample>() + self.0.len() * size_of::<Stroke>()
     }
-    /// Why the list cannot be used; none when it can.
+    /// Why the list cannot be used; `None` if it can.
     pub fn fault(&self) -> Option<String> {
         let mut seen = std::collections::BTreeSet::new();
         for (i, stroke) in self.0.iter().enumerate() {

@@ -1,14 +1,15 @@
-//! A picture on a head: one channel of it as a number at each place of the skin, by the head's uvs.
+//! A texture on a head: one channel of a picture, read at each point of the skin through the head's UVs.
 //!
-//! Guarantees: values are 0 to 1 as they stand in the file (a mask is data: no colour space is applied), blended from the four pixels
-//! about a place, to the same bits everywhere. Beyond 0 to 1 the picture repeats. Not known here: files, and how they are read.
+//! Guarantees: values are 0 to 1 as stored in the file (a mask is data: no colour space is applied), interpolated
+//! bilinearly, with the same bits everywhere. Outside 0 to 1 the picture repeats. Not known here: files, and how they
+//! are read.
 
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::Vec2;
 use std::sync::Arc;
 
-/// One channel of a picture, on a head with uvs.
+/// One channel of a picture, on a head with UVs.
 pub struct Texture {
     key: Key,
     scalp: Arc<Scalp>,
@@ -18,7 +19,8 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// A picture of rows so wide, from the top; `source` is the hash of all that it comes from. None where it has no pixel.
+    /// A picture with rows of this width, from the top; `source` is the hash of everything it comes from. `None` if it
+    /// has no pixels.
     pub fn new(source: Key, scalp: Arc<Scalp>, width: usize, pixels: Vec<u16>) -> Option<Self> {
         let key = KeyBuilder::new("texture").key(source).key(scalp.whole()).finish();
         let whole = width > 0 && !pixels.is_empty() && pixels.len().is_multiple_of(width);
@@ -38,16 +40,16 @@ impl Texture {
         size_of::<Self>() + self.pixels.len() * 2
     }
 
-    /// The value under a root, 0 to 1.
+    /// The value at a root, 0 to 1.
     pub fn at(&self, root: &Root) -> f32 {
         self.at_uv(root.uv)
     }
 
-    /// The value at a uv, whose v rises from the picture's lower edge, 0 to 1; 0 where the uv is no number.
+    /// The value at a UV, whose v rises from the picture's lower edge, 0 to 1; 0 if the UV is not finite.
     pub fn at_uv(&self, uv: Vec2) -> f32 {
         let height = self.pixels.len() / self.width;
         let place = |x: f32, count: usize| {
-            // The middle of the first pixel is half a pixel in.
+            // The centre of the first pixel is half a pixel in.
             let x = (x - x.floor()) * count as f32 - 0.5;
             let low = x.floor();
             let wrap = |k: f32| (k as i64).rem_euclid(count as i64) as usize;
@@ -95,7 +97,7 @@ mod tests {
             (0.5, 0.75, 0.5),
             (0.5, 0.5, 0.25 + 0.25 * half),
             (-0.75, 3.75, 1.0),
-            // Across the edge its other side is next.
+            // Across the edge, the opposite side follows.
             (0.0, 0.75, 0.5),
             (f32::NAN, 0.0, 0.0),
         ] {

@@ -1,10 +1,11 @@
-//! Roots spread evenly over the scalp region: an endless list of which every start is even.
+//! Evenly distributed roots on the scalp region: an infinite list of which every prefix is even.
 //!
-//! The region as a line ([`crate::data::spread`]) is continued within each triangle by bisection, so that one number from 0 to 1
-//! tells a place and equal lengths have equal area. Numbers then come from van der Corput's sequence with its digits scrambled (Owen 1995), which spreads
-//! over any start of it. Where the region is soft, a place counts with the region's value as its chance.
+//! The region as a line ([`crate::data::spread`]) is continued inside each triangle by bisection, so that a number from
+//! 0 to 1 identifies a point and equal lengths have equal area. The numbers are van der Corput's sequence with
+//! scrambled digits (Owen 1995), of which every prefix is evenly spread. In soft parts of the region, a point is kept
+//! with the region's value as its probability.
 //!
-//! Guarantees: the list depends on scalp, seed and nothing else; as many places a cm2 everywhere that the region is 1.
+//! Guarantees: the list depends only on scalp and seed; the same number of points per cm2 wherever the region is 1.
 
 use crate::data::scalp::{Root, Scalp};
 use crate::data::spread::Spread;
@@ -18,7 +19,7 @@ pub(crate) struct EvenRoots<'a> {
     spread: &'a Spread,
 }
 
-/// Halvings within a triangle: beyond that a place is exact to a few thousandths of its edge.
+/// Bisections inside a triangle: a point is then exact to a few thousandths of its edge.
 const HALVINGS: u32 = 18;
 
 impl<'a> EvenRoots<'a> {
@@ -26,30 +27,29 @@ impl<'a> EvenRoots<'a> {
         Self { scalp, dice, spread: scalp.spread() }
     }
 
-    /// How many places the list has to be asked for one a cm2, cm2: the region's area, a soft triangle counted with
+    /// Number of list entries needed for one point per cm2, in cm2: the region's area, with a soft triangle counted by
     /// its highest corner.
     pub(crate) fn area(&self) -> f64 {
         self.spread.area()
     }
 
-    /// The region's area, cm2: [`Self::area`] but where the region was drawn and is known better.
+    /// The region's area, cm2: [`Self::area`], except for a drawn region, whose area is known better.
     pub(crate) fn region_area(&self) -> f64 {
         self.scalp.drawn_area().map_or(self.area(), f64::from)
     }
-    /// How many places of the list there are for one in the region, where that was drawn over large triangles; else 1.
+    /// Number of list entries per point in the region, if it was drawn over large triangles; otherwise 1.
     pub(crate) fn places_for_one(&self) -> u32 {
         let ratio = (self.area() / self.region_area()).ceil();
         if ratio.is_finite() { ratio.clamp(1.0, 10_000.0) as u32 } else { 1 }
     }
 
-    /// How far along the curve the `i`-th place of the list lies, in 2^-32 of it. Places that lie near each other on the curve do so on
-    /// the scalp, too.
+    /// Position of the `i`-th entry along the line, in 2^-32 of it. Entries close on the line are close on the scalp.
     #[inline]
     pub(crate) fn along(&self, i: u32) -> u32 {
         scrambled(i, self.dice.bits(0, 0))
     }
 
-    /// The `i`-th place of the list; none where the soft edge of the region leaves it out, or without any region.
+    /// The `i`-th entry; `None` if the soft edge of the region drops it, or without a region.
     pub(crate) fn get(&self, i: u32) -> Option<(u32, Vec2)> {
         let (triangle, fraction) = self.spread.place(self.along(i))?;
         let bary = within((fraction * f64::from(1u32 << HALVINGS)) as u32);
@@ -57,7 +57,7 @@ impl<'a> EvenRoots<'a> {
         (share >= 1.0 || self.dice.unit(1, u64::from(i)) < share).then_some((triangle, bary))
     }
 
-    /// [`Self::get`] bound to the scalp; none on the bare skin of a parting.
+    /// [`Self::get`] bound to the scalp; `None` on the bare skin of a parting.
     pub(crate) fn root(&self, i: u32) -> Option<Root> {
         let (triangle, bary) = self.get(i)?;
         let root = self.scalp.root(triangle, bary);
@@ -65,8 +65,8 @@ impl<'a> EvenRoots<'a> {
     }
 }
 
-/// Van der Corput's sequence in base 2 as a 32-bit fraction, scrambled digit by digit in dependence of the digits
-/// before (the hash of Laine and Karras 2011).
+/// Van der Corput's sequence in base 2 as a 32-bit fraction, each digit scrambled depending on the digits before it
+/// (the hash of Laine and Karras 2011).
 fn scrambled(i: u32, seed: u64) -> u32 {
     let mut x = i;
     let seed = mix(seed);
@@ -79,21 +79,21 @@ fn scrambled(i: u32, seed: u64) -> u32 {
     x.reverse_bits()
 }
 
-/// A place in a triangle by bisecting it: fractions (in 2^-[`HALVINGS`]) that are close lie close.
+/// A point in a triangle by bisection: nearby fractions (in 2^-[`HALVINGS`]) give nearby points.
 fn within(fraction: u32) -> Vec2 {
-    // Half of the halvings lead to a small triangle, the other half on from there. Corners are sums of few powers of two and
-    // nothing is rounded, so that it comes to the same as halving one by one.
+    // Half of the bisections select a small triangle, the other half continue from there. Corners are sums of few
+    // powers of two without rounding, so that the result equals bisecting step by step.
     let [from, apex, to] = CORNERS[(fraction >> HALF & (PARTS - 1)) as usize].map(Vec2::from_array);
     let [a, b, c] = CORNERS[(fraction & (PARTS - 1)) as usize].map(Vec2::from_array);
     let sum = a + b + c;
     (from * 3.0 + (apex - from) * sum.x + (to - from) * sum.y) / 3.0
 }
 
-/// Half of the halvings, and how many parts these make.
+/// Half of the bisections, and the number of parts they make.
 const HALF: u32 = HALVINGS / 2;
 const PARTS: u32 = 1 << HALF;
 
-/// The corners of the parts: from, apex and to, each as weights of the whole's apex and to.
+/// The corners of the parts (from, apex and to), each as weights of the whole triangle's apex and to.
 static CORNERS: [[[f32; 2]; 3]; PARTS as usize] = {
     let mut corners = [[[0.0; 2]; 3]; PARTS as usize];
     let mut part = 0;
@@ -116,40 +116,40 @@ static CORNERS: [[[f32; 2]; 3]; PARTS as usize] = {
     corners
 };
 
-/// Places of the list of which no two are close: the list with those left out that lie too near to an earlier one.
-/// What is too near shrinks along the list, so every start of it is even and more only adds. It is told by a place's number
-/// alone: whether one is taken changes nothing but what lies around it.
+/// Entries of the list with a minimum distance: those too close to an earlier one are dropped. The distance shrinks
+/// along the list, so every prefix is even and a higher count only adds. It depends on the entry's index only, so that
+/// taking an entry affects only its neighbourhood.
 pub(crate) struct Apart {
     taken: Vec<Vec3>,
     area: f32,
     least: f32,
-    /// Side of the cells and numbers of the places in each, rebuilt as the distance shrinks.
+    /// Size of the cells, and indices of the entries in each, rebuilt as the distance shrinks.
     cell: f32,
     cells: std::collections::BTreeMap<[i32; 3], Vec<u32>>,
     refused: u32,
 }
 
-/// The `i`-th place keeps so many times `sqrt(area / i)` from those before. About one in eleven is taken then, nine tenths of what is
-/// taken are 0.68 to 1.0 times `sqrt(area / taken)` from the next, and no hole is wider than twice that. (More would make the
-/// list longer and hardly anything more even: at 3, one in twenty and 0.70.)
+/// The `i`-th entry stays this many times `sqrt(area / i)` away from earlier ones. About one in eleven is then taken,
+/// nine tenths of these are 0.68 to 1.0 times `sqrt(area / taken)` from the next, and no hole is wider than twice that.
+/// (A larger factor makes the list longer and hardly more even: at 3, one in twenty and 0.70.)
 const SPREAD: f32 = 2.2;
-/// Places refused in a row, though but the least distance is asked, before one gives up.
+/// Consecutive rejections at the smallest distance before giving up.
 const PATIENCE: u32 = 960;
 
 impl Apart {
-    /// For a region of so many cm2; never nearer than `least` cm.
+    /// For a region of this area in cm2; never closer than `least` cm.
     pub(crate) fn new(area: f32, least: f32) -> Self {
         Self { taken: vec![], area, least, cell: f32::MAX, cells: Default::default(), refused: 0 }
     }
-    /// Whether nothing can be taken any more, for even the least distance is refused again and again.
+    /// Whether nothing more can be taken, since even the smallest distance is rejected repeatedly.
     pub(crate) fn full(&self) -> bool {
         self.refused > PATIENCE
     }
-    /// Takes the `i`-th place of the list unless an earlier one is too near. Places come in their order.
+    /// Takes the `i`-th entry unless an earlier one is too close. Entries must come in order.
     pub(crate) fn take(&mut self, i: u32, p: Vec3) -> bool {
         let even = SPREAD * (self.area / (i as f32 + 1.0)).sqrt();
         let apart = even.max(self.least);
-        // Cells about as wide as what is looked through.
+        // Cells about as wide as the search radius.
         let wide = apart.max(1e-3);
         if wide < 0.5 * self.cell {
             self.cell = wide;

@@ -1,13 +1,14 @@
 //! How threads fall from a head: grown one after another from the lowest root to the highest, then relaxed together.
 //!
-//! A heavy thread that is bent turns towards gravity exponentially over a length (its stiffness): that is the shape of an
-//! elastic rod under tension. So a thread grows step by step, each step turned towards gravity by that law, put out of the
-//! skin and of the threads grown before it, and taken on from there. Lower roots come first, for what is rooted higher lies
-//! on top. Rounds of relaxation follow, all threads at once from the places of the round before: each point is smoothed
-//! between its neighbours along the thread, drawn down, held off other threads (half the overlap each) and off the skin,
-//! and put back to its distance from the point before.
+//! A bent heavy thread turns toward gravity exponentially over a length (its stiffness), like an elastic rod under
+//! tension. A thread therefore grows step by step: each step is turned toward gravity by that law, pushed out of the
+//! skin and of earlier threads, and continued from there. Lower roots come first, since hair rooted higher lies on top.
+//! Relaxation follows, with all threads updated at once from the previous round: each point is smoothed between its
+//! neighbours along the thread, pulled down, pushed off other threads (half the overlap each) and off the skin, and put
+//! back to its distance from the previous point.
 //!
-//! Guarantees: no clock, no order but that of height and id; every sum in a fixed order. Not promised: a simulation in time.
+//! Guarantees: no clock, no order except that of height and id; every sum in a fixed order. Not promised: a simulation
+//! over time.
 
 use crate::data::scalp::{Root, Skin};
 use crate::define::NodeError;
@@ -21,13 +22,13 @@ use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::sync::OnceLock;
 
-/// One curve that is to fall. Lengths in cm.
+/// A curve that is to fall. Lengths in cm.
 pub(super) struct Thread {
     pub(super) id: u64,
     pub(super) point: Vec3,
-    /// Where it is rooted, when it is rooted on a scalp.
+    /// Its root, if it is rooted on a scalp.
     pub(super) root: Option<Root>,
-    /// The way along the skin in which it is laid. Unit.
+    /// Direction along the skin in which it is laid. Unit.
     pub(super) flow: Vec3,
     /// The direction in which it leaves the root. Unit.
     pub(super) direction: Vec3,
@@ -36,34 +37,34 @@ pub(super) struct Thread {
     pub(super) stiffness: f32,
 }
 
-/// What all threads share.
+/// Settings shared by all threads.
 pub(super) struct Fall<'a> {
     pub(super) skin: Option<Skin<'a>>,
-    /// Where they are drawn to. Unit.
+    /// Direction of the pull. Unit.
     pub(super) down: Vec3,
     pub(super) hold: f32,
     pub(super) separate: bool,
-    /// Angle (radians) by which they stray, and its dice.
+    /// Angle (radians) of random deviation, and its dice.
     pub(super) stray: (f32, Dice),
     /// Points of each finished curve.
     pub(super) points: usize,
 }
 
-/// How far over the skin a thread without thickness is kept, cm.
+/// Height above the skin of a thread without thickness, cm.
 const LEAST: f32 = 0.02;
-/// Distance of the points of a thread while it falls, cm.
+/// Spacing of the points of a thread while it falls, cm.
 const STEP: f32 = 0.3;
 /// The most points of a thread while it falls.
 const MOST: f32 = 900.0;
 /// Rounds of relaxation.
 const ROUNDS: usize = 24;
-/// Rounds for which a list of neighbours serves.
+/// Rounds for which a list of neighbours is reused.
 const LISTED: usize = 4;
-/// How much longer than asked threads are while they fall: what smoothing straightens is cut off at the end.
+/// Extra length of threads while they fall: whatever smoothing straightens is cut off at the end.
 const SPARE: f32 = 1.04;
 /// Cosine of the sharpest turn in one step.
 const TURN: f32 = 0.3;
-/// Wave length of the straying, cm.
+/// Wavelength of the random deviation, cm.
 const WAVE: f32 = 14.0;
 
 /// A thread while it falls.
@@ -116,7 +117,7 @@ impl Fall<'_> {
         Ok(each(cx, threads.len(), |i| self.finished(&threads[i], &chains[i].at)))
     }
 
-    /// Where a thread is drawn to at arc length `s`: down, straying slowly to and fro.
+    /// Direction of the pull at arc length `s`: down, with slow random deviation.
     fn pull(&self, thread: &Thread, s: f32) -> Vec3 {
         let (angle, dice) = self.stray;
         if angle == 0.0 {
@@ -169,13 +170,13 @@ impl Fall<'_> {
                 if !moved && !pushed {
                     break;
                 }
-                // What was held back goes on as long.
+                // A step that was held back keeps its length.
                 to = p + (to - p).normalize_or(direction) * step;
             }
             to = self.lift(to, height).0;
             let mut went = (to - p).try_normalize().unwrap_or(direction);
             if went.dot(direction) < TURN {
-                // Between others that leave it no way it goes on over the skin, through them.
+                // If others leave no room, it continues over the skin, through them.
                 to = self.lift(p + direction * step, height).0;
                 to = self.lift(p + (to - p).normalize_or(direction) * step, height).0;
                 went = (to - p).try_normalize().unwrap_or(direction);
@@ -227,7 +228,7 @@ impl Fall<'_> {
             let heavy = (1.0 - held) * (1.0 - exp(-s / thread.stiffness.max(0.1)));
             p += self.pull(thread, s) * (0.15 * step * heavy);
             let mut push = Vec3::ZERO;
-            // What is left to do in the last rounds is to be smooth.
+            // The last rounds only smooth.
             for (c, segment) in near.get(k).into_iter().flatten().filter(|_| !exact) {
                 let other = &chains[*c as usize];
                 let apart = apart(thread, s, &threads[*c as usize], *segment, other.step);
@@ -256,7 +257,7 @@ impl Fall<'_> {
         self.skin.map_or(p, |skin| skin.lift_about(p, height))
     }
 
-    /// A fallen thread without corners: where it still turns sharply, squeezed between others, it is smoothed.
+    /// Smooths a fallen thread where it still turns sharply, squeezed between others.
     fn softened(&self, at: &[Vec3]) -> Vec<Vec3> {
         let mut at = at.to_vec();
         for _ in 0..80 {
@@ -275,14 +276,14 @@ impl Fall<'_> {
         at
     }
 
-    /// The curve of even points and exact length along a fallen thread.
+    /// The curve with evenly spaced points and exact length along a fallen thread.
     fn finished(&self, thread: &Thread, at: &[Vec3]) -> Vec<Vec3> {
         let at = &self.softened(at)[..];
         let Ok(mut spline) = Spline::new(at) else {
             return straight(thread, self.down, self.points);
         };
         let count = self.points;
-        // Where so many crowd that steps were lost, the rest is made up for at the tip.
+        // Where crowding cost steps, the missing length is added at the tip.
         let mut longer = at.to_vec();
         while spline.length() < thread.length * 1.01 && longer.len() < 2 * at.len() {
             let tip = longer[longer.len() - 1];
@@ -317,24 +318,24 @@ impl Fall<'_> {
     }
 }
 
-/// How high over the skin a thread is kept at arc length `s`: in the skin at the root, soon its clearance.
+/// Height of a thread above the skin at arc length `s`: in the skin at the root, soon at its clearance.
 fn height_at(thread: &Thread, s: f32) -> f32 {
     let t = (s / (3.0 * thread.clearance).max(0.1)).min(1.0);
     thread.clearance.max(LEAST) * t * t * (3.0 - 2.0 * t)
 }
 
-/// How far two threads keep apart at arc length `s` of the one: both clearances, less beside the roots.
+/// Distance between two threads at arc length `s` of the first: the sum of both clearances, less near the roots.
 fn apart(one: &Thread, s: f32, other: &Thread, segment: u32, step: f32) -> f32 {
     height_at(one, s) + height_at(other, (segment as f32 + 0.5) * step)
 }
 
-/// A straight fall: what is left where numbers ran out.
+/// A straight fall: the fallback for non-finite numbers.
 fn straight(thread: &Thread, down: Vec3, count: usize) -> Vec<Vec3> {
     let part = thread.length / (count - 1) as f32;
     (0..count).map(|k| thread.point + down * (k as f32 * part)).collect()
 }
 
-/// How far `p` is to be moved to keep `apart` from segment `segment` of a thread.
+/// Displacement of `p` that keeps it `apart` from segment `segment` of a thread.
 #[inline]
 fn keep_off(p: Vec3, other: &[Vec3], segment: usize, apart: f32) -> Vec3 {
     let (a, b) = (other[segment], other[segment + 1]);
@@ -349,7 +350,7 @@ fn keep_off(p: Vec3, other: &[Vec3], segment: usize, apart: f32) -> Vec3 {
     off * ((apart - d) / d)
 }
 
-/// `direction` turned towards `to` by a share of the angle between them.
+/// `direction` turned toward `to` by a fraction of the angle between them.
 fn turned_towards(direction: Vec3, to: Vec3, share: f32) -> Vec3 {
     let Some(side) = across(to, direction) else { return direction };
     let angle = crate::maths::transcendental::acos(direction.dot(to).clamp(-1.0, 1.0));
@@ -357,7 +358,7 @@ fn turned_towards(direction: Vec3, to: Vec3, share: f32) -> Vec3 {
     (direction * cos + side * sin).normalize_or(direction)
 }
 
-/// Segments of threads by where they are.
+/// Segments of threads by position.
 struct Grid {
     per_cell: f32,
     cells: BTreeMap<(i32, i32, i32), Vec<(u32, u32)>>,
@@ -376,7 +377,7 @@ impl Grid {
             self.cells.entry((x, y, z)).or_default().push((number as u32, segment as u32));
         }
     }
-    /// Segments within a cell of `p`, in a fixed order.
+    /// Segments within one cell of `p`, in a fixed order.
     fn near(&self, p: Vec3, found: &mut Vec<(u32, u32)>) {
         found.clear();
         let IVec3 { x, y, z } = self.cell(p);
@@ -391,7 +392,7 @@ impl Grid {
     }
 }
 
-/// What `make` gives for each number, made by all threads there are.
+/// The results of `make` for each index, computed on all threads.
 fn each<T: Default + Send + Sync>(
     cx: &EvalCx,
     n: usize,
@@ -404,7 +405,7 @@ fn each<T: Default + Send + Sync>(
     made.into_iter().map(|cell| cell.into_inner().unwrap_or_default()).collect()
 }
 
-/// For each point of each thread the segments of others that may come to touch it.
+/// For each point of each thread, the segments of other threads that it may touch.
 fn neighbours(
     cx: &EvalCx,
     threads: &[Thread],

@@ -1,12 +1,12 @@
-//! Hang: curves that leave the scalp where they are rooted and fall, resting on head, neck, shoulders and one another.
+//! Hang: curves that leave the scalp at their roots and fall, resting on head, neck, shoulders and each other.
 //!
-//! Guarantees: the same curves on every machine; lengths right to 0.1 %; no point under the skin and no NaN whatever comes in;
-//! points evenly spaced; what does not hang freely rests on something: skin or another curve (`fall.rs` says how).
-//! Not promised: that curves keep their radii apart where more are asked for than there is room, as beside their roots.
+//! Guarantees: the same curves on every machine; lengths exact to 0.1 %; no point below the skin and no NaN for any
+//! input; evenly spaced points; every part that does not hang freely rests on skin or another curve (`fall.rs` explains
+//! how). Not promised: that curves keep their radii apart where there is not enough room, as beside their roots.
 //!
-//! **What depends on what:** curves that touch depend on each other, through a chain of touches on all others, so the fall
-//! is worked out for all at once (80 braids take a tenth of a second). Each curve is a tuft of its own and tufts are known
-//! by content: of what comes after, only that runs again whose curve came out another.
+//! **Dependencies:** curves that touch depend on each other and, through chains of contacts, on all others, so all are
+//!  computed at once (80 braids take a tenth of a second). Each curve is its own tuft, keyed by content: downstream,
+//!  only curves that changed run again.
 
 use super::fall::{Fall, Thread};
 use crate::data::attributes::{
@@ -24,80 +24,81 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Let curves hang from their roots: out of the scalp, then down, resting on head, neck and shoulders.
+    /// Hangs curves from their roots: out of the scalp, then down, resting on head, neck and shoulders.
     ///
-    /// For braids, locs and twists that hang free, and for long hair: give it roots (the middles of sections, or any guides,
-    /// of which the first point counts) and braid or fill what comes out. The clearance is half as thick as what will lie
-    /// along the curve, so that this, not the curve, rests on the skin and on its neighbours.
+    /// For free-hanging braids, locs and twists, and for long hair. Give it roots (the middles of sections, or guides,
+    /// of which the first point is used) and braid or fill the result. Clearance is half the thickness of what runs
+    /// along the curve, so that its surface, not the curve, rests on the skin.
     "hang", version 1, label "Hang",
         words "gravity fall drape simulate simulation dynamics collide collision rest shoulders free hanging locs twists long hair droop dangle";
     inputs {
         /// Curves whose first points are the roots.
         roots: Curves, words("source guides");
-        /// The head, with neck and shoulders where it has them. Without it curves fall freely.
+        /// The head, with neck and shoulders if it has them. Without a head, curves fall freely.
         scalp: Option<Arc<Scalp>>;
-        /// Length of each curve, whatever it lies on.
+        /// Length of each curve.
         length: FieldInput = 35.0, hard(0.1, 500.0), soft(1.0, 90.0), unit(Length), handle(Handle::Length);
-        /// How far the curve stands out before its weight bends it down: 0 falls at once, 1 to 2 a braid, 10 a stiff lock.
+        /// How far the curve stands out before its weight bends it down: 0 falls at once, 1 to 2 suits a braid, 10 a
+        /// stiff lock.
         stiffness: FieldInput = 1.2, hard(0.0, 100.0), soft(0.0, 10.0), unit(Length), words("bend rigidity stand");
         /// Angle between scalp and curve at the root: 0 lies flat, 90 stands straight out.
         lie: FieldInput = 20.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
-        /// Which way curves leave their roots.
+        /// Direction in which curves leave their roots.
         flow: Flow = Flow::Sides, words("direction part comb");
-        /// The direction, for the flows that have one, in the head frame (x to the head's left, y up, z forward).
+        /// Direction for the flows that use one, in the head frame (x to the head's left, y up, z forward).
         direction: Vec3 = Vec3::new(1.0, -0.2, -0.35),
             idle(|of| matches!(of("flow"), Some(Value::Text(is)) if !["sides", "direction"].contains(&&*is)).then_some("curves leave their roots another way"));
-        /// Where hair is parted when it falls to both sides: 0 where the scalp is parted, else in the middle; positive nearer
-        /// to the head's left ear. Within 1.5 cm of there a parting of the scalp decides, and hair falls away from it.
+        /// Position of the parting when hair falls to both sides: 0 follows the scalp's parting or the midline,
+        /// positive is nearer the head's left ear. Within 1.5 cm, a parting of the scalp decides which way hair falls.
         parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre"),
             idle(|of| unless(of, "flow", "sides", "hair does not fall to both sides"));
 
         [Shape]
-        /// How far curves that lie on the head keep to the way they are laid, before they just slide down.
+        /// Length over which curves that lie on the head follow the flow before they slide straight down.
         hold: f32 = 5.0, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), words("style set friction");
-        /// What pulls besides gravity, in the head frame, as a share of it: (0.2, 0, 0) leans to the head's left.
+        /// Extra pull besides gravity, as a fraction of it, in the head frame: (0.2, 0, 0) leans to the head's left.
         swing: Vec3 = Vec3::ZERO, words("wind tilt motion lean");
 
         [Thickness]
-        /// Half the thickness of what will lie along the curve: so far its middle keeps from the skin, and twice as far from
-        /// its neighbours. At the root the curve is in the skin.
+        /// Half the thickness of what runs along the curve. Curves keep this distance from the skin and twice as much
+        /// from each other; each starts in the skin at its root.
         clearance: FieldInput = 0.4, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Radius),
             words("radius thickness offset collision");
-        /// Keep curves apart as far as they are thick. Off lets them pass through each other and is quicker.
+        /// Keep curves apart by their thickness. Off is faster and lets them intersect.
         separate: bool = true, words("collision neighbours stack layers");
 
         [Detail]
-        /// Points on each curve, root and tip included.
+        /// CVs per curve, root and tip included.
         points: i64 = 48, hard(2.0, 1024.0), soft(8.0, 128.0), unit(Count), words("cvs segments");
-        /// Whether lengths grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter a curve may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
+        /// Random shortening of each curve: 0 keeps the full length, 0.95 allows down to a twentieth of it.
         length_variation: f32 = 0.04, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("random vary ends layers");
-        /// How far each curve strays from the straight fall, at random.
+        /// Random deviation of each curve from the straight fall.
         variation: f32 = 4.0, hard(0.0, 60.0), soft(0.0, 20.0), unit(Angle), words("random jitter natural");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The curves, one tuft each, with all that their roots had and their clearance as radius.
+        /// The curves, one tuft each, with the attributes of their roots and the clearance as radius.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Which way curves leave their roots.
+    /// Direction in which curves leave their roots.
     Flow {
-        /// The direction below on the head's left and its mirror image on the right, down at the back: hair that is parted.
+        /// The direction below on the head's left, mirrored on the right, and down at the back: parted hair.
         Sides = "sides",
         /// The same direction everywhere.
         Direction = "direction",
-        /// From the forehead back over the head, and down behind.
+        /// From the forehead back over the head, then down.
         Back = "back",
         /// Down, each on the side where it is rooted.
         Down = "down",
-        /// As the curves given begin.
+        /// As the input curves begin.
         Curve = "curve",
     }
 }
@@ -142,7 +143,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             if scalp.is_some_and(|scalp| scalp.uvs().is_some()) {
                 b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
             }
-            // What is laid along the curve faces outwards.
+            // What is laid along the curve faces outward.
             let tangent = (points[1] - points[0]).normalize_or(thread.direction);
             let normal = across(root.normal, tangent).unwrap_or_else(|| any_normal(tangent));
             b.set(NORMAL, Domain::Curve, vec![normal]);
@@ -199,7 +200,7 @@ fn threads<'a>(cx: &EvalCx, inputs: &'a Inputs, unit: f32) -> Result<Threads<'a>
     Ok((threads, from))
 }
 
-/// Where a curve is bound to the scalp, or else the point of it that is nearest to its root.
+/// Where a curve is bound to the scalp, or else its point nearest to the root.
 fn bound(scalp: &Scalp, tuft: &Tuft, i: usize, point: Vec3) -> Option<Root> {
     let first = tuft.range(i).start;
     let triangle = tuft.view(ROOT_TRIANGLE).at(i, first);
@@ -211,18 +212,18 @@ fn bound(scalp: &Scalp, tuft: &Tuft, i: usize, point: Vec3) -> Option<Root> {
     known.or_else(|| scalp.closest_root(point))
 }
 
-/// So near (cm) to where hair is parted a parting that is drawn decides to which side it falls.
+/// Within this distance (cm) of the requested parting, a drawn parting decides to which side hair falls.
 const ASIDE: f32 = 1.5;
 
 impl Inputs {
-    /// The way along the skin in which a curve leaves its root. Unit, at right angles to `normal`.
+    /// Direction along the skin in which a curve leaves its root. Unit, perpendicular to `normal`.
     fn flow(&self, scalp: Option<&Scalp>, curve: &[Vec3], p: Vec3, normal: Vec3) -> Vec3 {
         let identity = crate::data::scalp::HeadFrame::IDENTITY;
         let frame = scalp.map_or(&identity, Scalp::frame);
         let at = scalp.map_or_else(|| frame.head_from_point(p), |scalp| scalp.given(p));
         let wanted = match self.flow {
             Flow::Sides => {
-                // Parted hair is parted to the crown: on the back of the head it falls down.
+                // Hair is parted up to the crown: on the back of the head it falls down.
                 let behind = ((-normal.dot(frame.forward) - 0.1) / 0.6).clamp(0.0, 1.0);
                 let behind = behind * behind * (3.0 - 2.0 * behind);
                 let to = |side: f32| {
@@ -230,7 +231,7 @@ impl Inputs {
                     frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
                 };
                 let side = if at.x < self.parted_at { -1.0 } else { 1.0 };
-                // A parting that is drawn there is not quite where hair is said to part: it decides.
+                // A drawn parting does not exactly match the requested one: the drawn one decides.
                 let step = ASIDE * frame.unit();
                 let leads_over = |side: f32| {
                     let along = across(to(side), normal).unwrap_or(Vec3::ZERO);
@@ -239,7 +240,7 @@ impl Inputs {
                 };
                 let near = (at.x - self.parted_at).abs() < ASIDE;
                 let turned = near && leads_over(side) && !leads_over(-side);
-                // Where nobody said the line, the partings say it: hair falls to the side that none cuts off.
+                // Without a requested parting, the scalp's partings decide: hair falls to the side that is not cut off.
                 let cut_off = |side: f32| {
                     let aside = Vec3::new(side * HEAD_RADIUS, 0.0, at.z);
                     let aside = scalp.and_then(|s| s.closest_root(frame.point_from_head(aside)));
@@ -261,7 +262,7 @@ impl Inputs {
             Flow::Curve => curve.get(1).map_or(Vec3::ZERO, |next| *next - curve[0]),
         };
         let flat = |v: Vec3| v.try_normalize().and_then(|v| across(v, normal));
-        // Where that points out of the skin: away from the head's axis.
+        // If that points out of the skin: away from the head's axis.
         flat(wanted)
             .or_else(|| flat(p - frame.origin - frame.up * (p - frame.origin).dot(frame.up)))
             .unwrap_or_else(|| any_normal(normal))
@@ -279,7 +280,7 @@ mod tests {
     use crate::maths::spline::Spline;
     use crate::testing::{Memory, curves_of, run, run_on};
 
-    /// Roots spread over the upper half of the ball, as curves of two points.
+    /// Roots distributed over the upper half of the ball, as curves of two points.
     fn roots(n: u64) -> Curves {
         let (ball, dice) = (shared_ball(), Dice::new(9, 0, "roots"));
         let tufts = (0..n).map(|id| {
@@ -320,7 +321,8 @@ mod tests {
             let steps: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
             for pair in steps.windows(2) {
                 let ratio = (pair[0] / pair[1]).max(pair[1] / pair[0]);
-                // Even along the arc; where one thread slips off another a chord is up to a fifth shorter than its arc.
+                // Even along the arc; where one thread slips off another, a chord is up to a fifth shorter than its
+                // arc.
                 assert!(ratio < 1.3, "{ratio} {steps:?}");
             }
         }
@@ -371,7 +373,7 @@ mod tests {
         let (mut near, mut through) = (0, 0);
         for (i, a) in all.iter().enumerate() {
             for b in &all[i + 1..] {
-                // The first cm is where they are rooted, which they did not choose.
+                // The first cm is at their roots, which they did not choose.
                 let beyond = |c: &[Vec3]| c[6..].to_vec();
                 for p in beyond(a) {
                     let d = beyond(b).iter().map(|q| q.distance(p)).fold(f32::MAX, f32::min);
@@ -441,7 +443,7 @@ mod tests {
     fn hair_falls_to_both_sides_of_the_parting_that_the_scalp_has() {
         use crate::data::sections::{Parting, Sections};
         let ball = shared_ball();
-        // From the front over the top, 4 cm beside the middle: nobody says the line again.
+        // From the front over the top, 4 cm beside the midline, without a requested parting.
         let points = (-60..=60).map(|k: i32| {
             let (s, c) = sin_cos(k as f32 / 120.0 * std::f32::consts::PI);
             ball.closest_root(Vec3::new(4.0, c * 8.0, s * 8.0)).unwrap().point
@@ -473,7 +475,7 @@ mod tests {
             between += usize::from(root.x > 0.0 && root.x < 4.0);
         }
         assert!(between > 3, "{between}: nothing is tested");
-        // Who says the line is heard.
+        // A requested parting is respected.
         for (root, way) in sides(-3.0).iter().filter(|(root, _)| on_top(root)) {
             let near = (root.x + 3.0).abs() < 2.0;
             assert!(near || (*way > 0.0) == (root.x > -3.0), "{root}");
@@ -484,7 +486,7 @@ mod tests {
     fn a_parting_beside_the_place_where_hair_parts_decides_to_which_side_it_falls() {
         use crate::data::sections::{Parting, Sections};
         let ball = shared_ball();
-        // From the front over the top, 0.8 cm beside the middle where hair is said to part.
+        // From the front over the top, 0.8 cm beside the midline, where the requested parting is.
         let points = (-60..=60).map(|k: i32| {
             let (s, c) = sin_cos(k as f32 / 120.0 * std::f32::consts::PI);
             ball.closest_root(Vec3::new(0.8, c * 8.9, s * 8.9)).unwrap().point

@@ -1,4 +1,4 @@
-//! Guides: curves drawn or grown, that hair follows.
+//! Guides: drawn or grown curves that hair follows.
 
 use crate::define::NodeDef;
 

@@ -1,9 +1,9 @@
 //! Scatter guides: guides all over the scalp region, laid by a simple flow, as a start for combing or as short hair.
 //!
-//! Guarantees: roots lie on the scalp and in the region; a higher count only adds guides; no point
-//! lies under the skin; points are evenly spaced; on a parted scalp none is rooted in a parting or leads over one on the skin: it
-//! goes along it, and ends at a corner that leaves no way. A parting takes the guides that would be rooted in it and no others. Not
-//! promised: that guides keep clear of each other.
+//! Guarantees: roots lie on the scalp and in the region; a higher count only adds guides; no point lies below the skin;
+//! points are evenly spaced; on a parted scalp no guide is rooted in a parting or crosses one on the skin: it runs
+//! along the parting, and ends at a corner with no way out. A parting removes the guides that would root in it and no
+//! others. Not promised: that guides stay clear of each other.
 
 use super::even_roots::{Apart, EvenRoots};
 use crate::data::attributes::{
@@ -21,26 +21,26 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Spread guides evenly over the scalp and lay them in a direction.
+    /// Scatters guides evenly over the scalp and lays them in a direction.
     ///
-    /// A start for combing, clusters for filling, or with Interpolate a whole short head of hair. Raising the count
-    /// only adds guides between those there are. Where the scalp region is soft, guides are fewer.
+    /// Comb them with the pen, use them as clusters and fill them, or wire them to Interpolate to grow a short groom at
+    /// once. Raising the count adds guides and keeps the existing ones. A soft region mask thins them out.
     "scatter_guides", version 1, label "Scatter guides",
         words "guides guide init plant distribute populate roots crown whorl cowlick flow short hair generate grow";
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
-        /// Whether the number of guides is given, or how many there are on a square centimetre.
+        /// Set the number of guides for the whole region, or per square centimetre.
         by: By = By::Count;
-        /// Guides on the whole region, when by count; those that would be rooted in a parting are left out.
+        /// Guides on the whole region, when by count. Guides that would root in a parting are left out.
         count: i64 = 300, hard(0.0, 100000.0), soft(10.0, 2000.0), unit(Count), words("amount number"),
             idle(|of| unless(of, "by", "count", "the number goes by density"));
-        /// Guides on a square centimetre, when by density.
+        /// Guides per square centimetre, when by density.
         density: f32 = 0.5, hard(0.0, 1000.0), soft(0.05, 5.0), unit(PerCm2), words("amount number"),
             idle(|of| unless(of, "by", "density", "the number goes by count"));
-        /// How many of the guides are kept, from none to all; usually a painted mask.
+        /// Fraction of guides to keep; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint");
-        /// No two roots are nearer than this. Asking for too much ends with fewer guides than asked for.
+        /// Smallest distance between two roots. A large value can leave fewer guides than requested.
         min_distance: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("spacing relax poisson");
         /// Length of the guides.
         length: FieldInput = 6.0, hard(0.05, 300.0), soft(0.5, 40.0), unit(Length), handle(Handle::Length);
@@ -48,76 +48,76 @@ node! {
         radius: FieldInput = 1.0, hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius);
 
         [Shape]
-        /// Which way guides are laid.
+        /// Direction in which guides lie.
         flow: Flow = Flow::Crown, words("direction part comb");
-        /// The direction for that flow, in the head frame (x to the head's left, y up, z forward).
+        /// Direction for that flow, in the head frame (x to the head's left, y up, z forward).
         direction: Vec3 = Vec3::NEG_Y,
             idle(|of| unless(of, "flow", "direction", "guides are laid another way"));
-        /// Where the crown is, in the head frame, centimetres on a head of average size.
+        /// Position of the crown in the head frame, in head units.
         crown: Vec3 = Vec3::new(0.8, 6.8, -5.6), handle(Handle::Point), words("whorl vertex cowlick"),
             idle(|of| unless(of, "flow", "crown", "guides are not laid from the crown"));
-        /// How far hair at the crown turns out of the straight way from it, in degrees: 0 is a plain star, 60 a strong
-        /// whorl. It fades away within about 5 cm.
+        /// Angle by which hair swirls around the crown: 0 is a plain star, 60 a strong whorl. It fades out within about
+        /// 5 cm.
         whorl: f32 = 45.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), words("swirl cowlick"),
             idle(|of| unless(of, "flow", "crown", "guides are not laid from the crown"));
         /// Angle between scalp and guide at the root: 0 lies flat, 90 stands straight up.
         lie: FieldInput = 35.0, hard(0.0, 90.0), unit(Angle), words("lift stand elevation"), handle(Handle::Angle);
-        /// How far a guide bends from root to tip, towards the scalp.
+        /// Bend from root to tip, toward the scalp.
         bend: f32 = 25.0, hard(-360.0, 360.0), soft(-90.0, 180.0), unit(Angle), words("curve curl under");
-        /// How strongly gravity pulls: 0 not at all, 1 lets hair hang after a few centimetres.
+        /// Strength of gravity: 0 is none, 1 makes hair hang after a few centimetres.
         droop: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 2.0), unit(Ratio), words("gravity hang fall sag");
 
         [Detail]
-        /// Points on each guide, root and tip included.
+        /// CVs per guide, root and tip included.
         points: i64 = 10, hard(2.0, 1024.0), soft(4.0, 32.0), unit(Count), words("cvs segments");
-        /// Whether lengths grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter a guide may be than its length, drawn for each: 0 none, 0.95 down to a twentieth.
+        /// Random shortening of each guide: 0 keeps the full length, 0.95 allows down to a twentieth of it.
         length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary");
-        /// How far the direction strays at random.
+        /// Random deviation of the direction.
         randomness: f32 = 8.0, hard(0.0, 180.0), soft(0.0, 45.0), unit(Angle), words("jitter noise messy");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// Guides, one tuft each.
+        /// The guides, one tuft each.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What decides the number of guides.
+    /// What sets the number of guides.
     By {
-        /// So many on the whole region.
+        /// Per region.
         Count = "count",
-        /// So many on each square centimetre.
+        /// Per square centimetre.
         Density = "density",
     }
 }
 
 choice! {
-    /// Which way guides are laid.
+    /// Direction in which guides lie.
     Flow {
         /// Away from the crown in all directions, as short hair grows.
         Crown = "crown",
-        /// Down, whatever the head does.
+        /// Straight down everywhere.
         Down = "down",
-        /// From the forehead back over the head, and down behind.
+        /// From the forehead back over the head, then down.
         Back = "back",
         /// The same direction everywhere.
         Direction = "direction",
     }
 }
 
-/// Candidates looked at for each guide asked for, before giving up.
+/// Candidates tried per requested guide before giving up.
 const TRIES: u32 = 200;
-/// How far over the skin guides are kept, cm.
+/// Height of guides above the skin, cm.
 const CLEARANCE: f32 = 0.02;
-/// Steps that a guide is grown in between two of its points.
+/// Growth steps between two points of a guide.
 const SUBSTEPS: usize = 3;
-/// How far from the crown the whorl has faded to a third, head units.
+/// Distance from the crown at which the whorl has faded to a third, head units.
 const WHORL_REACH: f32 = 3.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -162,7 +162,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Roots with their number in the list of even roots.
+/// Roots with their index in the list of even roots.
 fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, NodeError> {
     let scalp = &*inputs.scalp;
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
@@ -193,7 +193,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
                 break;
             }
             let share = mask.at(slot, slot, 0.0);
-            // What a parting takes keeps its place in the list, so that where that moves all others stay.
+            // A root in a parting keeps its index, so that moving the parting leaves all others in place.
             let chosen = keep.unit(u64::from(i), 0) < share && scalp.free(root.point);
             if apart.take(i, root.point) {
                 match chosen {
@@ -204,7 +204,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
         }
         start += BATCH;
     }
-    // (Where the region is empty, the head says so.)
+    // (If the region is empty, the head reports it.)
     if (out.len() as f32 + skipped) < wanted as f32 && even.area() > 0.0 {
         let min = inputs.min_distance;
         cx.warn(format!("only {} of {wanted} guides fit at {min} cm from each other", out.len()));
@@ -230,7 +230,7 @@ struct Grower<'a> {
 }
 
 impl Grower<'_> {
-    /// A guide, step by step: along the flow at the lie's angle to the skin below, less and less as it bends,
+    /// Grows a guide step by step: along the flow at the angle of `lie` to the skin below, decreasing as it bends,
     /// pulled down as it gets free.
     fn grow(&self, root: &Root, length: f32, lie: f32, [turn, tilt]: [f32; 2]) -> Vec<Vec3> {
         let count = self.inputs.points as usize;
@@ -248,29 +248,29 @@ impl Grower<'_> {
         for _ in 0..steps {
             let next = p + direction * step;
             let (lifted, moved) = self.skin.lift(next, CLEARANCE);
-            // A step that was put back on the skin goes on as long along it.
+            // A step that was put back on the skin keeps its length along it.
             let mut to = lifted;
             if moved && let Some(along) = (lifted - p).try_normalize() {
                 to = self.skin.lift(p + along * step, CLEARANCE).0;
             }
-            // What lies on the skin goes along a parting, not over it.
+            // A guide on the skin runs along a parting, not across it.
             if let Some(kept) = home.and_then(|home| home.kept(to, &mut below)).filter(|q| *q != to)
             {
                 to = self.skin.lift(kept, CLEARANCE).0;
             }
-            // At a corner that leaves no way, it ends.
+            // At a corner with no way out, it ends.
             if grown.len() > 1 && home.is_some_and(|home| home.passes(&[p, to])) {
                 break;
             }
             direction = (to - p).try_normalize().unwrap_or(direction);
             p = to;
             grown.push(p);
-            // The skin below is near that of the step before: far off it, that saves most of the search.
+            // The skin below is near that of the previous step: far from the skin, this saves most of the search.
             let surface = self.scalp.surface();
             let Some(hit) = surface.closest_from(p, below) else { continue };
             below = hit.triangle;
             let skin_normal = surface.smooth_normal(hit.triangle, hit.bary);
-            // Hair near the skin turns with it, and with the flow; a few cm off it is free.
+            // Near the skin, hair turns with it and with the flow; a few cm away it is free.
             let near = exp(-hit.distance / (2.0 * self.unit));
             let carried = smallest_rotation(normal, skin_normal) * direction;
             direction = direction.lerp(carried, near).normalize_or(direction);
@@ -289,7 +289,7 @@ impl Grower<'_> {
             direction = (direction + down * pull).normalize_or(direction);
         }
         let mut out = self.even(&grown, count);
-        // Round a corner of its section the curve may lead wider than the steps did: it ends before.
+        // Around a corner of its section the curve may swing wider than the steps did: it ends before.
         while grown.len() > SUBSTEPS && home.is_some_and(|home| home.passes(&out)) {
             grown.truncate(grown.len() * 3 / 4);
             out = self.even(&grown, count);
@@ -297,14 +297,14 @@ impl Grower<'_> {
         out
     }
 
-    /// The steps of a guide as so many points at even lengths, out of the skin.
+    /// The steps of a guide as `count` evenly spaced points, out of the skin.
     fn even(&self, grown: &[Vec3], count: usize) -> Vec<Vec3> {
         let mut out = Vec::with_capacity(count);
         match Spline::new(grown) {
             Ok(spline) => spline.resample(count, |p| out.push(p)),
             Err(_) => out = grown.to_vec(),
         }
-        // The spline may cut a corner of the skin that the steps kept out of.
+        // The spline may cut a corner of the skin that the steps avoided.
         for p in &mut out[1..] {
             *p = self.skin.lift(*p, 0.5 * CLEARANCE).0;
         }
@@ -312,7 +312,7 @@ impl Grower<'_> {
         out
     }
 
-    /// The flow on the scalp at `p`. Unit, at right angles to `normal`.
+    /// The flow on the scalp at `p`. Unit, perpendicular to `normal`.
     fn flow(&self, p: Vec3, normal: Vec3) -> Vec3 {
         let frame = self.scalp.frame();
         let wanted = match self.inputs.flow {

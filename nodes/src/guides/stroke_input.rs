@@ -1,11 +1,11 @@
 //! Stroke input: pen strokes of the document as curves on a head.
 //!
-//! Strokes are stored in the head frame and in head units, so the same strokes fall into place on another
-//! head. Each stroke makes one tuft, told by the stroke's own key: drawing one more makes one more.
+//! Strokes are stored in the head frame and in head units, so they transfer to another head. Each stroke makes one
+//! tuft, keyed by the stroke: drawing one more makes one more.
 //!
-//! Guarantees: every curve is bound to the scalp where it starts; projected curves keep their offset from the
-//! scalp at every CV, or lie higher where they would run through folds between CVs; free ones never run under the skin. A stroke without length is left out and
-//! named.
+//! Guarantees: every curve is bound to the scalp where it starts; projected curves keep their offset from the scalp at
+//! every CV, or lie higher where they would cut through folds between CVs; free ones never run below the skin. A stroke
+//! without length is dropped and named in a message.
 
 use crate::data::attributes::{DRIFT, Domain, ID, RADIUS, SCALP_NORMAL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -20,68 +20,68 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Curves drawn with the pen: rows for braids, partings, guides, control curves of clusters.
+    /// Curves drawn with the pen: braid rows, partings, guides or centre curves of clusters.
     ///
-    /// Draw them on the head in the viewport. A stroke is pulled on to the scalp, or kept as drawn in space with its
+    /// Draw them on the head in the viewport. Strokes are projected onto the scalp, or kept as drawn in space with the
     /// root on the scalp.
     "stroke_input", version 1, label "Stroke input", words "draw pen pencil sketch stylus curve guide row parting line tablet";
     inputs {
-        /// The strokes, root first. Drawn in the viewport; stored in the head's own frame.
+        /// The strokes, root first. Draw them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("drawn pen");
         /// The head that the strokes are drawn on.
         scalp: Arc<Scalp>;
-        /// Radius of the cluster or braid that the curve stands for. A ramp runs from root to tip.
+        /// Radius of the cluster or braid around the curve. A ramp runs from root to tip.
         radius: FieldInput = 1.0, hard(0.001, 100.0), soft(0.05, 3.0), unit(Length), handle(Handle::Radius), words("width size thickness");
-        /// How much the pen's pressure makes the radius: 0 not at all, 100% from nothing at no pressure to the full radius
-        /// at full pressure.
+        /// How much pen pressure scales the radius: at 0 it has no effect, at 100% the radius goes from zero at no
+        /// pressure to full at full pressure.
         pressure_radius: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("pen pressure width");
-        /// Whether every stroke is drawn on the other side of the head too.
+        /// Mirror strokes to the other side of the head.
         mirror: Mirror = Mirror::None, words("symmetry symmetrise flip x");
 
         [Placement]
-        /// Whether strokes lie on the scalp or hang in space.
+        /// Keep strokes on the scalp, or free in space.
         project: Project = Project::Scalp, words("surface snap stick");
-        /// How far over the scalp projected strokes lie. Negative is under the skin. A ramp runs from root to tip.
+        /// Height of projected strokes above the scalp; negative is below the skin. A ramp runs from root to tip.
         offset: FieldInput = 0.0, hard(-2.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Length), words("height lift");
 
         [Detail]
-        /// How far the drawn line is averaged along itself, to take out the tremble of the hand. 0 keeps every wiggle.
+        /// Length over which the drawn line is smoothed, to remove hand tremor. 0 keeps it as drawn.
         smoothing: f32 = 0.3, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth stabilise jitter");
-        /// Distance between the points of the curves. Each curve gets the number that comes closest.
+        /// Distance between CVs. Each curve gets the count that comes closest.
         spacing: f32 = 0.5, hard(0.01, 100.0), soft(0.1, 2.0), unit(Length), words("resample resolution points cvs");
-        /// Whether lengths here grow with the head. Strokes always do.
+        /// Scale lengths with the size of the head. Strokes always scale.
         scale_with_head: bool = true, words("head units");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// One curve for each stroke and each mirrored twin, in drawing order, with radius, pressure, root, scalp normals and how
-        /// far the root had to drift to lie on this head.
+        /// One curve per stroke and per mirror image, in drawing order, with radius, pressure, root, scalp normals and
+        /// drift (how far the root moved to lie on this head).
         curves: Curves;
     }
 }
 
 choice! {
-    /// Whether strokes lie on the scalp or hang in space.
+    /// Keep strokes on the scalp, or free in space.
     Project {
-        /// Every point is pulled to the closest point of the scalp.
+        /// Projects every point to the closest point of the scalp.
         Scalp = "scalp",
-        /// As drawn; the root goes to the closest point of the scalp, and what runs under the skin is pushed out.
+        /// As drawn: the root snaps to the scalp, and points below the skin are pushed out.
         Free = "free",
     }
 }
 
 choice! {
-    /// Whether every stroke is drawn on the other side of the head too.
+    /// Mirror strokes to the other side of the head.
     Mirror {
         /// Each stroke once.
         None = "none",
-        /// Each stroke and its mirror image, except strokes on the midline of the head.
+        /// Each stroke and its mirror image, except strokes on the midline.
         Both = "both",
     }
 }
 
-/// A stroke that stays within this of the midline (head units) is its own mirror image.
+/// A stroke within this distance of the midline (head units) is its own mirror image.
 const MIDLINE: f32 = 0.1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -107,7 +107,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// The tuft of one stroke: one curve, or none when it has no length.
+/// The tuft of one stroke: one curve, or none if it has no length.
 fn drawn_curve(
     inputs: &Inputs,
     stroke: &Stroke,
@@ -210,19 +210,19 @@ fn drawn_curve(
     Ok(tuft.build())
 }
 
-/// Whether points that went side by side have come to lie apart: the closest points of a rough skin leap from ridge to ridge.
+/// Whether adjacent points are now far apart: on rough skin, closest points jump from ridge to ridge.
 fn torn(before: &[Vec3], after: &[Vec3]) -> bool {
     let step = |line: &[Vec3], k: usize| line[k].distance(line[k + 1]);
     (0..before.len() - 1).any(|k| step(after, k) > 2.0 * step(before, k) + FOLD)
 }
 
-/// How often a line is projected until it comes out whole.
+/// The most projections before a line is accepted.
 const ROUNDS: usize = 4;
-/// How far a torn line is averaged along itself in between, cm on a head of average size.
+/// Smoothing length of a torn line between projections, cm on a head of average size.
 const MENDED: f32 = 0.5;
 
-/// Lifts CVs between which a curve runs through folds of the skin, until it lies over them; the root stays. A smooth head bends
-/// by a few thousandths of a centimetre between CVs, and nothing is lifted.
+/// Lifts CVs between which a curve cuts through folds of the skin, until it lies over them; the root stays. A smooth
+/// head bends by a few thousandths of a centimetre between CVs, and nothing is lifted.
 fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin, radius: f32) {
     let last = points.len() - 1;
     let chord: Vec<f32> =
@@ -255,15 +255,15 @@ fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin, radius: f32) {
     }
 }
 
-/// Points closer than this (cm) are one.
+/// Points closer than this (cm) coincide.
 const NEAR: f32 = 1e-4;
-/// Projected curves run no deeper than this (cm) through the skin between their CVs.
+/// Projected curves cut through the skin between their CVs by at most this, cm.
 const FOLD: f32 = 0.02;
-/// Nor by more than the end span of a spline sags into a ball: this times its chord squared over the ball's radius.
+/// Plus the sag of a spline's end span into a ball: this times its squared chord over the ball's radius.
 const SAGS: f32 = 0.1;
-/// How often CVs are lifted to that end.
+/// Rounds of lifting CVs.
 const LIFTS: usize = 6;
-/// How high they are lifted at most, cm: what is higher is no fold.
+/// The most that CVs are lifted, cm: anything higher is not a fold.
 const HIGHEST: f32 = 0.5;
 
 #[cfg(test)]
@@ -288,7 +288,7 @@ mod tests {
         Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into()))
     }
 
-    /// A line from the forehead backwards, `x` off the midline, 1 cm over a head of average size.
+    /// A line from the forehead backward, `x` off the midline, 1 cm over a head of average size.
     fn back(id: u64, x: f32) -> Stroke {
         let samples = (0..=30)
             .map(|k| {
@@ -351,7 +351,7 @@ mod tests {
             }
             let step = tuft.curve(0)[0].distance(tuft.curve(0)[1]);
             assert!((step - 0.5 * unit).abs() < 0.05 * unit, "{step}");
-            // It was drawn 1 cm over a head of average size, and from 2 cm beside the middle.
+            // It was drawn 1 cm over a head of average size, starting 2 cm beside the midline.
             let drift = tuft.view(DRIFT).at(0, 0) / unit;
             assert!((drift - (1.0 + 0.2)).abs() < 0.05, "{drift}");
             // The binding is the scalp point under the first CV.

@@ -1,7 +1,6 @@
-//! Groom output: what leaves the graph, under a name.
+//! Groom output: the curves that leave the graph, under a name.
 //!
-//! Guarantees: the curves are handed on as they are. The exporter reads name and purpose from this
-//! node's inputs.
+//! Guarantees: the curves pass through unchanged. The exporter reads name and purpose from this node's inputs.
 
 use crate::data::curves::Curves;
 use crate::define::{NodeError, node};
@@ -9,15 +8,15 @@ use crate::eval::EvalCx;
 use std::sync::Arc;
 
 node! {
-    /// Mark curves as a result of the graph: a group of that name in exported files.
+    /// Marks curves as an output of the graph: a group of this name in exported files.
     "groom_output", version 1, label "Groom output", words "export result group write save usd alembic abc unreal cache final";
     inputs {
-        /// Curves to hand out.
+        /// Curves to output.
         curves: Curves;
         /// Name of the group in files. Empty: the label of this node.
         name: Arc<str> = "", words("group label");
-        /// Whether the curves are guides, for simulation or further grooming elsewhere, and not hair to be rendered. Guides of the
-        /// name of hair are that hair's guides in Unreal.
+        /// Mark the curves as guides, for simulation or grooming in other tools, not as hair to render. In Unreal,
+        /// guides with the name of a hair group become that group's guides.
         guides: bool = false, words("purpose simulation");
     }
     outputs {
@@ -27,7 +26,7 @@ node! {
 }
 
 fn eval(_: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    // Read by whoever exports, from the document.
+    // Read by the exporter, from the document.
     let _ = (inputs.name, inputs.guides);
     Ok(Outputs { curves: inputs.curves })
 }

@@ -1,7 +1,6 @@
-//! Merge: several lots of curves as one, every id once.
+//! Merge: several sets of curves combined, with unique ids.
 //!
-//! Guarantees: nothing is copied but the ids of tufts that hold a repeated one; of curves with one id the first
-//! keeps it.
+//! Guarantees: only the ids of tufts with a duplicate are copied; of several curves with one id, the first keeps it.
 
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, Tuft};
@@ -11,17 +10,17 @@ use crate::eval::{EvalCx, Size};
 use std::sync::Arc;
 
 node! {
-    /// Put several lots of curves together, in the order of the wires.
+    /// Combines several sets of curves, in the order of the wires.
     ///
-    /// Where the same curve id comes in twice, as from two copies of one branch, later curves get new ids, for ids
-    /// must differ for colours, picking and export.
+    /// Curves whose id is already taken, as when two copies of one branch meet, get new ids: colours, picking and export
+    /// need unique ids.
     "merge", version 1, label "Merge", words "join combine add together append union";
     inputs {
-        /// Curves to put together.
+        /// Curves to combine.
         curves | in: Vec<Curves>;
     }
     outputs {
-        /// All of them.
+        /// All the curves.
         curves: Curves;
     }
 }

@@ -1,4 +1,4 @@
-//! What leaves the graph.
+//! Outputs of the graph.
 
 use crate::define::NodeDef;
 

@@ -1,9 +1,9 @@
-//! Baby hair: the short fine hair along the hairline, as it grows or laid.
+//! Baby hair: short, fine hair along the hairline, natural or laid.
 //!
-//! Each hair is walked over the skin from its root in a direction that turns on the way: freely, down along the hairline, or in
-//! waves. Guarantees: roots lie on the scalp, within the band and off every parting; no hair crosses a parting (it ends before);
-//! points keep off the skin; more hairs only add. Not promised: that the scalp's own hair leaves room for it; thin that at the
-//! edge with a mask.
+//! Each hair is traced over the skin from its root in a direction that turns along the way: freely, along the hairline,
+//! or in waves. Guarantees: roots lie on the scalp, within the band and off every parting; no hair crosses a parting
+//! (it ends before one); points stay off the skin; a higher density only adds hairs. Not promised: that the scalp's
+//! other hair leaves room; thin that out at the edge with a mask.
 
 use super::hairline::{Hairline, hairlines};
 use crate::data::attributes::{
@@ -25,70 +25,72 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Short fine hair along the hairline: edges as they grow, laid, or in swoops.
+    /// Short, fine hair along the hairline: natural, laid or swooped edges.
     ///
-    /// Natural edges stand softly off the skin; laid ones are combed flat along the hairline; swooped ones lie in S-waves, a lock
-    /// at a time. On a parted scalp they keep to the sections.
+    /// Natural edges stand softly off the skin; laid edges are combed flat along the hairline; swooped edges lie in
+    /// S-waves, one lock at a time. On a parted scalp they stay in their sections.
     "baby_hair", version 1, label "Baby hair", words "edges baby hair hairline laid swoop swooped slick fuzz wisp fringe border fine short", thins;
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
         /// How the hair lies.
         style: Style = Style::Natural, words("laid swoop edges");
-        /// Hairs on each centimetre of the hairline.
+        /// Hairs per centimetre of hairline.
         per_cm: f32 = 30.0, hard(0.0, 2000.0), soft(2.0, 150.0), unit(PerCm), words("density count amount");
-        /// How many of the hairs are kept, from none to all; usually a painted mask or a ramp round the head.
+        /// Fraction of hairs to keep; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area where front nape temples");
         /// Length of the hairs.
         length: f32 = 1.6, hard(0.05, 30.0), soft(0.5, 3.0), unit(Length);
 
         [Placement]
-        /// Width of the band behind the hairline in which they are rooted.
+        /// Width of the band behind the hairline that they are rooted in.
         band: f32 = 0.7, hard(0.0, 10.0), soft(0.1, 2.0), unit(Length), words("depth zone");
-        /// How far ahead of the hairline the first of them are rooted, as far as hair grows there at all.
+        /// How far in front of the hairline the first hairs are rooted, where hair grows at all.
         ahead: f32 = 0.12, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("soft edge start");
-        /// Where the middle is that they lie away from: 0 in the middle of the head, positive nearer to its left ear. As the
-        /// other hair is parted.
+        /// Position of the parting that the hairs lie away from: 0 is the midline, positive is nearer the head's left
+        /// ear. Match the parting of the other hair.
         parted_at: f32 = 0.0, hard(-20.0, 20.0), soft(-6.0, 6.0), unit(Length), words("part side middle centre");
 
         [Shape]
-        /// Which way they lie: 0 straight out over the face, 90 along the hairline away from the middle, -90 towards it.
+        /// Direction in which they lie: 0 is straight out over the face, 90 along the hairline away from the parting,
+        /// -90 toward it.
         direction: f32 = 35.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("comb flow sweep");
-        /// How far the tips stand off the skin.
+        /// Height of the tips above the skin.
         lift: f32 = 0.12, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("height off");
         /// How far swoops turn to each side.
         wave: f32 = 65.0, hard(0.0, 180.0), soft(0.0, 120.0), unit(Angle), words("swoop amplitude s-wave finger wave");
-        /// Length of a whole wave of a swoop.
+        /// Length of one full wave of a swoop.
         wave_length: f32 = 2.2, hard(0.1, 30.0), soft(0.5, 6.0), unit(Length), words("period");
 
         [Clumping]
         /// Width of a lock along the hairline.
         lock: f32 = 0.8, hard(0.05, 30.0), soft(0.2, 3.0), unit(Length), words("clump width group");
-        /// How much the hairs of a lock draw together towards its tip.
+        /// How much the hairs of a lock converge toward its tip.
         gather: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("clump tightness");
 
         [Thickness]
-        /// Diameter at the root: baby hair is finer than other hair.
+        /// Diameter at the root; baby hair is finer than other hair.
         width_root: f32 = 0.004, hard(0.0001, 1.0), soft(0.001, 0.01), unit(Length), words("thickness diameter");
         /// Diameter at the tip.
         width_tip: f32 = 0.0012, hard(0.0001, 1.0), soft(0.0003, 0.01), unit(Length), words("thickness diameter taper");
 
         [Detail]
-        /// Points on each hair, root and tip included.
+        /// CVs per hair, root and tip included.
         points: i64 = 12, hard(4.0, 255.0), soft(6.0, 32.0), unit(Count), words("cvs segments resolution");
-        /// Whether lengths grow with the size of the head; the number of hairs then stays. Widths never do.
+        /// Scale lengths with the size of the head. The number of hairs and their widths stay.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How much shorter a hair may be, drawn for each: 0 none, 0.95 down to a twentieth. The foremost are the shortest.
+        /// Random shortening of each hair: 0 keeps the full length, 0.95 allows down to a twentieth of it. The foremost
+        /// hairs are the shortest.
         length_variation: f32 = 0.55, hard(0.0, 0.95), unit(Ratio), words("random vary");
-        /// How much hairs differ in direction, lift and bend.
+        /// Random variation in direction, lift and bend.
         unevenness: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("random messy natural");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The hairs, with their lock as group.
+        /// The hairs, with the lock number as group.
         curves: Curves;
     }
 }
@@ -96,20 +98,20 @@ node! {
 choice! {
     /// How the hair lies.
     Style {
-        /// As it grows: each a little its own way.
+        /// Each hair in its own direction, as it grows.
         Natural = "natural",
         /// Combed flat along the hairline.
         Laid = "laid",
-        /// Laid in S-waves, a lock at a time.
+        /// Laid in S-waves, one lock at a time.
         Swooped = "swooped",
     }
 }
 
-/// Hairs in one piece of work.
+/// Hairs per work item.
 const BATCH: usize = 1024;
-/// The least height over the skin, cm on a head of average size: a hair's own thickness.
+/// Smallest height above the skin, cm on a head of average size: a hair's own thickness.
 const CLEAR: f32 = 0.006;
-/// Steps in which a hair is walked.
+/// Steps in which a hair is traced.
 const STEPS: usize = 28;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -153,7 +155,8 @@ struct Maker<'a> {
     keep: Dice,
 }
 
-/// Where a hair begins: its root, the way out over the face and the way along the hairline from the middle of the head.
+/// Start of a hair: its root, the direction out over the face, and the direction along the hairline away from the
+/// middle of the head.
 struct Start {
     root: Root,
     out: Vec3,
@@ -163,7 +166,7 @@ struct Start {
 }
 
 impl Maker<'_> {
-    /// The start at a part of the hairline and a depth (cm) behind it.
+    /// The start at a fraction of the hairline and a depth (cm) behind it.
     fn start(&self, part: f32, depth: f32) -> Option<Start> {
         let frame = self.scalp.frame();
         let (edge, tangent) = self.hairline.at(part);
@@ -192,7 +195,7 @@ impl Maker<'_> {
             let Some(start) = self.start(part, b * (band + ahead) - ahead) else { continue };
             let (root, id) = (&start.root, curve_id(0, inputs.seed as u64, i as u64));
             let grows = self.scalp.grows(root.triangle, root.bary);
-            // Where the region fades, so do they.
+            // Baby hair fades with the region.
             let chance = (2.0 * grows).min(1.0);
             if self.dice.unit(id, 9) < chance && self.scalp.free(root.point) {
                 starts.push((id, part, start));
@@ -217,7 +220,7 @@ impl Maker<'_> {
             if self.keep.unit(*id, 0) >= mask.at(slot, slot, 0.0) {
                 continue;
             }
-            // Locks differ in width, so that their borders are no fence.
+            // Locks differ in width, so that their borders do not look like a fence.
             let lock = {
                 let at = part * locks;
                 let border = 0.35 * self.locks.signed(at.floor() as u64, 7);
@@ -268,8 +271,8 @@ impl Maker<'_> {
         Ok(tuft.build())
     }
 
-    /// A way over the skin: [`STEPS`] even steps, fewer where a parting is in the way. `id` is that of a hair, none for the middle of
-    /// a lock.
+    /// A path over the skin: [`STEPS`] equal steps, fewer if a parting is in the way. `id` is that of the hair, `None`
+    /// for the centre of a lock.
     fn walked(&self, start: &Start, lock: u64, id: Option<u64>, length: f32) -> Option<Vec<Vec3>> {
         let inputs = self.inputs;
         let stray =
@@ -279,7 +282,7 @@ impl Maker<'_> {
         let (wave, wave_length) = (inputs.wave.to_radians(), inputs.wave_length * self.unit);
         let flat = std::f32::consts::FRAC_PI_2 * if asked < 0.0 { -1.0 } else { 1.0 };
         let (phase, bend) = (0.12 * of_lock(0), stray(2));
-        // The angle from straight out, at a part of the way.
+        // The angle from straight out, at a fraction of the path.
         let angle = |s: f32| match inputs.style {
             Style::Natural => asked + 0.9 * stray(1) + 1.2 * bend * s,
             Style::Laid => {
@@ -299,7 +302,7 @@ impl Maker<'_> {
         };
         let (sin, cos) = sin_cos(angle(0.0));
         let mut way = (start.out * cos + start.along * sin).try_normalize()?;
-        // Turning from out to along is left- or right-hand about the normal.
+        // Turning from out to along may be left- or right-handed about the normal.
         let hand = start.out.cross(start.along).dot(start.root.normal).signum();
         let (mut p, mut normal, mut near) =
             (start.root.point, start.root.normal, start.root.triangle);
@@ -318,11 +321,11 @@ impl Maker<'_> {
             (p, normal, near) = (hit.point, below, hit.triangle);
             line.push(p);
         }
-        // What is left of a hair that grows into a parting at once is no hair.
+        // A hair that runs into a parting at once is dropped.
         (line.len() > STEPS / 4).then_some(line)
     }
 
-    /// Puts a hair over its way, drawn to the middle of its lock; false when it has no length.
+    /// Lays a hair along its path, drawn toward the centre of its lock; false if it has no length.
     fn laid_out(
         &self,
         start: &Start,
@@ -343,7 +346,7 @@ impl Maker<'_> {
             let s = k as f32 / (walk.len() - 1) as f32;
             let mut p = *p;
             if let Some(middle) = middle {
-                // The lock's middle keeps its length: a shorter hair ends beside its earlier part.
+                // The lock's centre keeps its length: a shorter hair ends beside an earlier part of it.
                 let part = s * (walk.len() - 1) as f32 / STEPS as f32;
                 let at = (part * (middle.len() - 1) as f32) as usize;
                 let beside = walk[0] - middle[0];
@@ -359,7 +362,7 @@ impl Maker<'_> {
         }
         line[0] = start.root.point;
         if let Some(cut) = self.scalp.sections() {
-            // What was drawn over a parting is cut before it.
+            // A hair that was drawn across a parting is cut before it.
             let over = line.windows(2).position(|w| is_parted(cut, w[0], w[1]));
             if let Some(k) = over {
                 line.truncate(k + 1);
@@ -372,7 +375,7 @@ impl Maker<'_> {
         let from = points.len();
         spline.resample(n, |p| points.push(p));
         points[from] = start.root.point;
-        // Asked of the surface itself: a distance field costs more than a hairline's worth of hair.
+        // Queries the surface directly: a distance field costs more than a whole hairline of hair.
         near = start.root.triangle;
         for p in &mut points[from + 1..] {
             let Some(hit) = surface.closest_from(*p, near) else { return false };
@@ -381,13 +384,13 @@ impl Maker<'_> {
                 continue;
             }
             *p = hit.point + surface.smooth_normal(hit.triangle, hit.bary) * (0.5 * clear);
-            // In a fold the way out of one side leads into the other.
+            // In a fold, the way out of one side leads into the other.
             let again = surface.closest_from(*p, near);
             if again.is_some_and(|hit| surface.signed_distance(*p, &hit) < 0.0) {
                 *p = self.scalp.skin().lift(*p, 0.5 * clear).0;
             }
         }
-        // In folds a way over the scalp that keeps to its section may yet lead through the air over a parting.
+        // In folds, a path that stays in its section on the scalp may still cross a parting in the air.
         let cut = self.scalp.sections();
         if cut.is_some_and(|cut| cut.is_over_line(&points[from..])) {
             points.truncate(from);
@@ -397,7 +400,7 @@ impl Maker<'_> {
     }
 }
 
-/// Whether a step over the scalp crosses a parting or ends in its bare skin.
+/// Whether a step over the scalp crosses a parting or ends on its bare skin.
 fn is_parted(cut: &Sections, from: Vec3, to: Vec3) -> bool {
     cut.at(to).is_some_and(|place| !place.free) || cut.crosses(from, to)
 }

@@ -1,12 +1,12 @@
-//! Lines half-way between rows: where hair parts when what will be braided was drawn first.
+//! Lines halfway between rows: the partings when rows are drawn first.
 //!
-//! methods.md 3, "braids first": the scalp is shared out among rows by the way over it (`territory.rs`), and where the ground of two
-//! rows meets there is a line. It is traced on the scalp's map through the cells whose corners are nearer to different rows; three
-//! rows meet in a point that their three lines share.
+//! methods.md 3, "braids first": the scalp is divided among rows by distance over the scalp (`territory.rs`), with a
+//! line wherever the territories of two rows meet. The line is traced on the scalp's map through cells whose corners
+//! are nearest to different rows; three territories meet in a point shared by their three lines.
 //!
-//! Guarantees: points of a line are as far from its two rows as the map's cells can tell, which is half a millimetre on smooth skin;
-//! rows of one section share that section alone. Ids hang from the two rows. Not promised: lines beside rows that run into
-//! each other nearer than two cells of the map (2 mm).
+//! Guarantees: points of a line are equally far from its two rows to the resolution of the map, half a millimetre on
+//! smooth skin; rows of one section share only that section. Ids derive from the two rows. Not promised: lines beside
+//! rows that come closer to each other than two cells of the map (2 mm).
 
 use super::pattern::Flat;
 use super::territory::{MOST_OVER, Row, farthest};
@@ -18,28 +18,29 @@ use crate::maths::hash::curve_id;
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// Corners of the net lie on every so many-th cell of the map: 2.2 mm.
+/// Corners of the net lie on every n-th cell of the map: 2.2 mm.
 const EVERY: usize = 2;
 /// Corners along a side of the net.
 const SIDE: usize = CELLS / EVERY;
-/// The nearest row of a corner where no hair grows.
+/// Marks a corner where no hair grows.
 const NONE: u32 = u32::MAX;
-/// Rounds in which a line's points are eased: they jitter by a tenth of a cell about it.
+/// Smoothing rounds for a line, whose points jitter by a tenth of a cell.
 const EASED: usize = 6;
-/// Narrower than the map tells would be the ground of more rows than this.
+/// With more rows than this, territories would be narrower than the map resolves.
 const MOST_ROWS: usize = 4096;
-/// Lines shorter than this, in corners of the net, part nothing.
+/// Lines shorter than this, in corners of the net, are dropped.
 const LEAST: usize = 4;
 
-/// Where a line crosses the net: an edge between two corners, or the middle of a square in which three rows meet ([`MET`]).
+/// Where a line crosses the net: an edge between two corners, or the centre of a square in which three territories meet
+/// ([`MET`]).
 type Crossing = (u32, u8);
-/// Of a square in which three rows meet, and of one at the hairline, where lines go on.
+/// Marks a square in which three territories meet, or one at the hairline, where lines continue.
 const MET: u8 = 2;
 const MET_AT_HAIRLINE: u8 = 3;
-/// Two rows, by number, the lower first.
+/// Two rows by index, the lower first.
 type Pair = (u32, u32);
 
-/// Lines half-way between the rows, where hair grows and is `part` of what is parted.
+/// Lines halfway between the rows, where hair grows and `part` is true.
 pub(crate) fn between(
     cx: &EvalCx,
     scalp: &Scalp,
@@ -78,7 +79,7 @@ pub(crate) fn between(
     Ok(out)
 }
 
-/// The rows with their ways over the scalp, as far as hair is from them.
+/// The rows with their distances over the scalp, as far as hair is from them.
 fn over_the_scalp(scalp: &Scalp, part: &[bool], rows: Vec<Row>) -> Vec<Row> {
     if !(2..=MOST_OVER).contains(&rows.len()) {
         return rows;
@@ -91,7 +92,7 @@ fn over_the_scalp(scalp: &Scalp, part: &[bool], rows: Vec<Row>) -> Vec<Row> {
     rows.into_iter().map(over).collect()
 }
 
-/// Which row is nearest to each corner of the net.
+/// The nearest row of each corner of the net.
 struct Ground<'a> {
     scalp: &'a Scalp,
     rows: &'a [Row],
@@ -109,7 +110,7 @@ impl<'a> Ground<'a> {
         let section = |p| sections.and_then(|s| s.at(p)).map(|place| place.section);
         let own: Vec<Option<u32>> = rows.iter().map(|row| section(row.spline.at(0.5))).collect();
         let mut ground = Self { scalp, rows, nearest: vec![NONE; SIDE * SIDE] };
-        // Beside a corner its row is likely the same: what is not nearer is passed over quickly.
+        // Neighbouring corners mostly have the same row: farther rows are skipped quickly.
         let mut last = 0;
         for corner in 0..SIDE * SIDE {
             if corner % SIDE == 0 {
@@ -141,14 +142,14 @@ impl<'a> Ground<'a> {
         Ok(ground)
     }
 
-    /// How far a corner is from a row, cm.
+    /// Distance of a corner from a row, cm.
     fn far(&self, corner: usize, row: u32) -> f32 {
         let row = &self.rows[row as usize];
         let p = self.scalp.chart().spots()[cell_of(corner)].point;
         row.far(self.scalp, p, row.nearest(p).1)
     }
 
-    /// Where the ground of two rows meets between two neighbouring corners, on the map.
+    /// Where two territories meet between two neighbouring corners, on the map.
     fn crossing(&self, from: usize, to: usize) -> Option<(Pair, Vec2)> {
         let (a, b) = (self.nearest[from], self.nearest[to]);
         if a == b || a == NONE || b == NONE {
@@ -161,14 +162,14 @@ impl<'a> Ground<'a> {
         Some(((a.min(b), a.max(b)), p))
     }
 
-    /// The pieces of lines in the square whose first corner this is.
+    /// The segments of lines in the square with this first corner.
     fn square(&self, corner: usize, meetings: &mut BTreeMap<Pair, Meeting>) {
         let corners = [corner, corner + 1, corner + SIDE + 1, corner + SIDE];
         let first = self.nearest[corner];
         if corners.iter().all(|c| self.nearest[*c] == first) {
             return;
         }
-        // Each edge has the name of its lower corner and its way.
+        // Each edge is named by its lower corner and its direction.
         let edges = [(0, 1, 0), (1, 2, 1), (3, 2, 0), (0, 3, 1)];
         let found: Vec<(Pair, Crossing, Vec2)> = edges
             .into_iter()
@@ -179,7 +180,7 @@ impl<'a> Ground<'a> {
             .collect();
         let all_one_pair = found.windows(2).all(|w| w[0].0 == w[1].0);
         if all_one_pair {
-            // Two crossings, or four about a saddle; one where hair ends.
+            // Two crossings, or four around a saddle; one where hair ends.
             for two in found.chunks_exact(2) {
                 let meeting = meetings.entry(two[0].0).or_default();
                 meeting.piece((two[0].1, two[0].2), (two[1].1, two[1].2));
@@ -197,7 +198,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// The cell of the map that a corner of the net lies in.
+/// The cell of the map that contains a corner of the net.
 fn cell_of(corner: usize) -> usize {
     (corner / SIDE * CELLS + corner % SIDE) * EVERY
 }
@@ -206,11 +207,11 @@ fn cell_of(corner: usize) -> usize {
 struct Line {
     points: Vec<Vec2>,
     closed: bool,
-    /// Whether other lines end where its first and its last point are.
+    /// Whether other lines end at its first and its last point.
     tied: [bool; 2],
 }
 
-/// Pieces of the lines between two rows.
+/// Segments of the lines between two rows.
 #[derive(Default)]
 struct Meeting {
     pieces: Vec<[Crossing; 2]>,
@@ -223,7 +224,7 @@ impl Meeting {
         self.places.extend([from, to]);
     }
 
-    /// The lines that the pieces make.
+    /// The lines formed by the segments.
     fn lines(&self) -> Vec<Line> {
         let mut beside: BTreeMap<Crossing, Vec<usize>> = BTreeMap::new();
         for (i, piece) in self.pieces.iter().enumerate() {
@@ -231,7 +232,7 @@ impl Meeting {
         }
         let mut left = vec![true; self.pieces.len()];
         let mut out = vec![];
-        // From their ends first; what is left then is closed.
+        // Open lines first, from their ends; the rest is closed.
         let ends = beside.iter().filter(|(_, pieces)| pieces.len() != 2).map(|(at, _)| *at);
         for start in ends.chain(beside.keys().copied()) {
             loop {
@@ -265,7 +266,7 @@ impl Meeting {
     }
 }
 
-/// Brings points towards the middle of their neighbours, but for the ends.
+/// Moves points toward the midpoint of their neighbours, except for the ends.
 fn ease(points: &mut [Vec2], closed: bool) {
     let n = points.len();
     for _ in 0..EASED {

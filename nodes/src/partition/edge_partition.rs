@@ -1,14 +1,14 @@
 //! Edge partition: the hairs between rows of braids, pulled from the parting into the braid.
 //!
-//! methods.md 3, after section 2.2 of the braids-and-curls talk ("Lightyear"). Rows and their ground are in `territory.rs`,
-//! the single hair in `pulled.rs`.
+//! methods.md 3, after section 2.2 of the braids-and-curls talk ("Lightyear"). Rows and their territories are in
+//! `territory.rs`, the single hair in `pulled.rs`.
 //!
-//! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius about its row;
-//! hairs stay out of the skin; ends of a group lie within the group's radius; without `cross_partings` every
-//! root keeps half a parting's width from the parting and no hair crosses it, be it half-way between two rows or a line
-//! that the scalp is parted along. A row's hairs depend on that row and the rows it meets (on a parted scalp, those of its
-//! own section), so that editing one row makes anew its own hairs and its neighbours'. Not promised:
-//! that hairs of one row never lie over each other, for combed hair does.
+//! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius around its row; hairs
+//! stay out of the skin; ends of a group lie within the group's radius. Without `cross_partings`, every root stays half
+//! a parting's width away from the parting and no hair crosses it, whether it is halfway between two rows or a parting
+//! of the scalp. A row's hairs depend on that row and its neighbours only (on a parted scalp, those of its own section),
+//! so that editing one row recomputes its own hairs and those of its neighbours. Not promised: that hairs of one row
+//! never overlap, since combed hair does.
 
 use super::pulled::{self, Ground, Home, Middle, Reach, Rules, Wish};
 use super::territory::{Overs, Row, Station, neighbour};
@@ -29,115 +29,115 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 node! {
-    /// Hairs pulled from the partings into braids: what lies between cornrows.
+    /// Hair pulled from the partings into braids: the combed hair between cornrows.
     ///
-    /// Wire the rows that braids are laid along. For each row the nearest rows on its left and right are found; half-way
-    /// to them is the parting, where the hairs are rooted, and from there they are combed over the scalp along and into the
-    /// braid, evenly or gathered at each stitch. On a parted scalp (node Partings) a row meets the rows of its own section;
-    /// where the section ends sooner its border is the parting, and hairs stay in it.
+    /// Wire the rows that the braids follow. The parting lies halfway between neighbouring rows; hairs are rooted there
+    /// and combed over the scalp into the braid, evenly or gathered at each stitch. On a parted scalp (node Partings),
+    /// only rows of the same section are neighbours, and hairs stay inside the section.
     "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins;
     inputs {
-        /// The rows, root first: the same curves that the braids are laid along.
+        /// The rows, root first: the same curves that the braids follow.
         source: Curves, words("rows braids guides");
         /// The head.
         scalp: Arc<Scalp>;
-        /// The curves that rows are parted from. Without any, the other rows of the source.
+        /// Neighbours to part the rows from. By default, the other rows of the source.
         adjacent: Option<Curves>, words("neighbours adjacent");
-        /// Curves on the left of the rows (seen along them from outside the head), used instead of found ones.
+        /// Neighbours on the left of the rows (seen along them from outside the head), instead of detected ones.
         left: Option<Curves>, words("adjacent");
-        /// Curves on the right of the rows, used instead of found ones.
+        /// Neighbours on the right of the rows, instead of detected ones.
         right: Option<Curves>, words("adjacent");
-        /// The stitches of the braids, from the braid node, for grouping by stitches.
+        /// Stitches from the braid node, for grouping by stitches.
         stitches: Option<Curves>, words("knots");
-        /// Curves whose roots are the places along the nearest row where hairs gather, for grouping by picked points.
+        /// Curves whose roots mark where hairs gather along the nearest row, for grouping by picked points.
         picked: Option<Curves>, words("points centroids");
-        /// Whether the number of hairs is given for each centimetre of a row or for the whole row.
+        /// Set the number of hairs per centimetre of row, or per row.
         by: By = By::PerCm;
-        /// Hairs on each side of a row for each centimetre of it.
+        /// Hairs per centimetre of row, on each side.
         per_cm: f32 = 80.0, hard(0.0, 2000.0), soft(1.0, 200.0), unit(PerCm), words("density count amount"),
             idle(|of| unless(of, "by", "per_cm", "the number is that of a whole row"));
-        /// Hairs of a row, both sides together.
+        /// Hairs per row, both sides together.
         total: i64 = 1000, hard(0.0, 1000000.0), soft(10.0, 5000.0), unit(Count), words("count amount"),
             idle(|of| unless(of, "by", "total", "the number is that of a centimetre"));
-        /// Where between its row and the neighbour a hair is rooted: 0 at the row, 50% half-way, at the parting, 100% at the
-        /// neighbour. Varies along the row.
+        /// Where hairs are rooted between their row and its neighbour: 0 at the row, 50% halfway, at the parting, 100%
+        /// at the neighbour. Varies along the row.
         mediate: FieldInput = 0.5, hard(0.0, 1.0), unit(Ratio), words("mediate midpoint length position");
         /// Diameter of a hair. A ramp runs from root to end.
         width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), words("thickness diameter");
 
         [Placement]
-        /// Let roots and hairs cross the partings. Off keeps every hair in its own row's ground.
+        /// Let roots and hairs cross the partings. Off keeps every hair in its row's territory.
         cross_partings: bool = false, words("overlap territory");
-        /// Width of the bare skin of a parting; roots keep half of it from the middle.
+        /// Width of the bare skin along a parting. Roots stay half of it away from the middle.
         parting_width: f32 = 0.15, hard(0.0, 5.0), soft(0.0, 0.6), unit(Length), words("gap line skin");
-        /// How far a neighbour may be; a row with none on a side is open there.
+        /// Largest distance to a neighbour. A row without a neighbour on one side is open there.
         reach: f32 = 6.0, hard(0.01, 100.0), soft(1.0, 15.0), unit(Length), words("distance neighbour search");
-        /// Where no neighbour is met, the row's ground ends this far from it, and where hair stops growing. 0 leaves that side
-        /// bare.
+        /// Width of the territory on an open side, measured from the row; it also ends where hair stops growing. 0
+        /// leaves that side bare.
         open_side: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("outermost hairline edge");
-        /// How far ahead of the row's root hairs are rooted, swept back into the start of the braid, as far as hair grows.
+        /// How far in front of the row's root hairs are rooted and swept back into the start of the braid, where hair
+        /// grows.
         lead: f32 = 0.6, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("front hairline start");
 
         [Shape]
-        /// How far hairs are off the scalp half-way. Varies along the row.
+        /// Height of the hairs above the scalp at their midpoint. Varies along the row.
         lift: FieldInput = 0.04, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Length), words("height loose puff");
-        /// How far hairs are combed along the braid: 0 square to the row, 80 nearly along it, negative against it. Varies
-        /// along the row.
+        /// Angle at which hairs are combed along the braid: 0 is square to the row, 80 nearly along it, negative
+        /// against it. Varies along the row.
         pull_angle: FieldInput = 50.0, hard(-80.0, 80.0), unit(Angle), handle(Handle::Angle), words("sweep oblique comb direction");
-        /// How hairs turn into the braid: 0 straight from root to end, 100% they leave the parting square and end along the
-        /// braid.
+        /// How hairs turn into the braid: 0 is straight from root to end, 100% leaves the parting square and ends along
+        /// the braid.
         sweep: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("curve bend comb");
-        /// Radius of the braid that the hairs end in. Varies along the row; by default the rows' own radius.
+        /// Radius of the braid that the hairs end in. Varies along the row; by default, the rows' own radius.
         row_radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()), hard(0.001, 50.0), soft(0.1, 2.0), unit(Length), handle(Handle::Radius), words("braid size envelope");
-        /// How far under the braid's surface hairs end, so that their ends are hidden.
+        /// How far below the braid's surface the hairs end, to hide the ends.
         tuck: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("hide depth inside");
 
         [Clumping]
-        /// Whether ends are spread along the braid or gathered.
+        /// Spread the hair ends along the braid, or gather them.
         grouping: Grouping = Grouping::None, words("clump stitch knot gather");
-        /// Hairs in a group, when every so many form one.
+        /// Hairs per group, when grouping by a fixed count.
         every: i64 = 20, hard(1.0, 100000.0), soft(2.0, 200.0), unit(Count), words("k"),
             idle(|of| unless(of, "grouping", "every_k", "hairs are not grouped by number"));
-        /// How far from the middle of their group hairs end.
+        /// Distance of hair ends from the centre of their group.
         group_radius: f32 = 0.1, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), handle(Handle::Radius), words("clump spread"),
             idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
-        /// How close the hairs of a group lie together, from root to end: 0 they only meet at the end, 1 they run as one lock.
+        /// How tightly a group is drawn together, from root to end: 0 meets only at the end, 1 runs as one lock.
         tightness: Arc<Ramp> = Ramp::linear(0.0, 0.7), words("clump profile gather"),
             idle(|of| matches!(of("grouping"), Some(Value::Text(is)) if *is == *"none").then_some("hairs are not grouped"));
 
         [Detail]
-        /// Points on each hair, root and end included.
+        /// CVs per hair, root and end included.
         cvs: i64 = 10, hard(4.0, 64.0), soft(6.0, 24.0), unit(Count), words("points resolution");
-        /// Whether lengths here grow with the head; the number of hairs then stays. The width of a hair never does.
+        /// Scale lengths with the size of the head. The number of hairs and their widths stay.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How far roots are scattered from there back to the row: 0 in one line, 100% all the way.
+        /// Random scatter of roots from the parting back toward the row: 0 is a single line, 100% the whole way.
         jitter: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random scatter");
-        /// How much hairs differ in angle, lift and where round the braid they end.
+        /// Random variation in angle, lift and position around the braid.
         unevenness: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("random variation natural messy");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The parting hairs, one tuft for each row, rooted in the scalp, with their row, side, group and where along the row
-        /// they end.
+        /// The hairs, one tuft per row, rooted in the scalp, with their row, side, group and the position along the row
+        /// where they end.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Whether the number of hairs is given for each centimetre or for the row.
+    /// How the number of hairs is set.
     By {
-        /// For each centimetre of a row and each side.
+        /// Per centimetre of row and side.
         PerCm = "per_cm",
-        /// For each row.
+        /// Per row.
         Total = "total",
     }
 }
 
 choice! {
-    /// Whether ends are spread along the braid or gathered.
+    /// Spread the hair ends along the braid, or gather them.
     Grouping {
         /// Spread evenly.
         None = "none",
@@ -145,12 +145,12 @@ choice! {
         Stitches = "stitches",
         /// At the nearest picked point.
         Picked = "picked",
-        /// Every so many hairs, at even distances.
+        /// In groups of a fixed count, evenly spaced.
         EveryK = "every_k",
     }
 }
 
-/// What a curve is to a row, as an attribute of the tufts that rows are handed.
+/// Role of a curve for a row, as an attribute of the tufts passed to work items.
 const ROLE: &str = "role";
 const BESIDE: i32 = 0;
 const LEFT: i32 = 1;
@@ -158,8 +158,8 @@ const RIGHT: i32 = 2;
 const STITCHES: i32 = 3;
 const PICKED: i32 = 4;
 
-/// Distance between the places along a row at which its neighbours are looked for, cm: a braid is thicker, so
-/// none slips between two places.
+/// Spacing of the positions along a row at which neighbours are searched, cm: less than the thickness of a braid, so
+/// that none is missed.
 const LOOK: f32 = 0.4;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -205,7 +205,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     }
     let all = Curves::new(all);
-    // Half-way to the farthest neighbour, and as much again for a way that is longer than straight.
+    // Halfway to the farthest neighbour, and as much again for paths longer than the straight one.
     let reach = rules.reach.max(2.0 * rules.open_side).max(2.0 * inputs.lead * unit);
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
@@ -221,27 +221,27 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// The least height of hairs over the skin, cm on a head of average size: more than a hair's radius, and enough
-/// that the flat triangles of a head do not cut through.
+/// Smallest height of hairs above the skin, cm on a head of average size: more than a hair's radius, and enough that a
+/// head's flat triangles do not cut through.
 const CLEAR: f32 = 0.012;
 
-/// A row of the list of all.
+/// A row in the list of all rows.
 struct Known {
-    /// Number of its tuft.
+    /// Index of its tuft.
     tuft: usize,
     role: i32,
     row: Row,
     section: Option<u32>,
 }
 
-/// Who is where, for finding what each row must read.
+/// Positions of everything, for finding what each row must read.
 struct Map {
     rows: Vec<Known>,
-    /// Number of the tuft, and the braids' sources that its stitches belong to.
+    /// Index of the tuft, and the source curves of the braids that its stitches belong to.
     stitches: Vec<(usize, Vec<u64>)>,
-    /// Number of the tuft, and the source tufts whose rows its points are nearest to.
+    /// Index of the tuft, and the source tufts whose rows are nearest to its points.
     picked: Vec<(usize, Vec<usize>)>,
-    /// Whether the first tufts of the list are the source itself.
+    /// Whether the list begins with the source's own tufts.
     among_themselves: bool,
 }
 
@@ -286,7 +286,7 @@ impl Map {
         Ok(Self { rows, stitches, picked, among_themselves: inputs.adjacent.is_none() })
     }
 
-    /// Numbers of the tufts that a row's hairs depend on, rising.
+    /// Indices of the tufts that a row's hairs depend on, ascending.
     fn needs(&self, rules: &Rules, overs: &Overs, lead: f32, own: usize, tuft: &Tuft) -> Vec<u32> {
         let is_self = |n: usize| self.among_themselves && n == own;
         let given = |role: i32| self.rows.iter().any(|known| known.role == role);
@@ -308,13 +308,13 @@ impl Map {
                     let rows = rows.map(|(i, other)| (i, &other.row));
                     let met = neighbour(&station, side, rows, rules.reach);
                     needed.extend(met.map(|(i, _)| self.rows[i].tuft));
-                    // Rows that are not beside this place but take some of the ground there, such as one that
-                    // begins where this one ends.
+                    // Rows that are not beside this position but take part of its territory, such as one that begins
+                    // where this one ends.
                     let to = met.map_or(station.side(side) * (2.0 * rules.open_side), |(_, q)| {
                         q - station.point
                     });
                     let middle = station.point + to * 0.5;
-                    // No way is shorter than the straight one of the others.
+                    // No path to the others is shorter than the straight one.
                     let way = row.far(rules.scalp, middle, row.nearest(middle).1);
                     let home = 1.1 * way.max(middle.distance(station.point)) + rules.parting;
                     for (_, other) in others() {
@@ -342,7 +342,7 @@ fn role(tuft: &Tuft) -> i32 {
     tuft.view_named::<i32>(ROLE).map_or(BESIDE, |view| view.at(0, 0))
 }
 
-/// The id of the curve that the braid of a stitch curve is laid along.
+/// Id of the curve that the braid of a stitch curve follows.
 fn braided(tuft: &Tuft, curve: usize) -> u64 {
     let root = tuft.range(curve).start;
     match tuft.view(PARENT).at(curve, root) {
@@ -353,12 +353,12 @@ fn braided(tuft: &Tuft, curve: usize) -> u64 {
 
 /// Where hairs of a row gather.
 struct Gather {
-    /// Fraction along the row, side (0: both), number.
+    /// Fraction along the row, side (0: both), index.
     places: Vec<(f32, i32, i32)>,
 }
 
 impl Gather {
-    /// The place nearest to `u` on a side.
+    /// The gathering point nearest to `u` on a side.
     fn nearest(&self, u: f32, side: i32) -> Option<(f32, i32)> {
         let on_side = self.places.iter().filter(|(_, s, _)| *s == side || *s == 0);
         on_side
@@ -393,7 +393,7 @@ fn hairs(
                 continue;
             }
         };
-        // Rows of one tuft are each other's neighbours too.
+        // Rows of one tuft are neighbours too.
         let siblings: Vec<&Row> = match inputs.adjacent {
             None => rows.iter().filter(|row| row.id != own.id).collect(),
             Some(_) => vec![],
@@ -418,7 +418,7 @@ fn hairs(
     made.tuft(inputs)
 }
 
-/// The section that most of a row lies in; none where hairs may cross, or nothing is parted.
+/// The section that most of a row lies in; `None` if hairs may cross, or if nothing is parted.
 fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
     let sections = rules.scalp.sections().filter(|_| !rules.crossing)?;
     let mut votes: BTreeMap<u32, u32> = BTreeMap::new();
@@ -430,7 +430,7 @@ fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
     Some(Home { sections, number })
 }
 
-/// Hairs while they are made.
+/// Hairs under construction.
 #[derive(Default)]
 struct Made {
     hair: TuftBuilder,
@@ -478,7 +478,7 @@ impl Made {
     }
 }
 
-/// How many hairs are asked for beside a row.
+/// Requested number of hairs of a row.
 fn asked(inputs: &Inputs, row: &Row, unit: f32) -> usize {
     let lead = inputs.lead * unit / row.length();
     let a_side = match inputs.by {
@@ -505,7 +505,7 @@ fn row_hairs(
     let lift = inputs.lift.on(tuft, scalp)?;
     let pull = inputs.pull_angle.on(tuft, scalp)?;
     let radius = inputs.row_radius.on(tuft, scalp)?;
-    // An attribute holds true centimetres; a number that somebody typed is in head units.
+    // An attribute holds true centimetres; a typed number is in head units.
     let radius_unit = match *inputs.row_radius.field {
         Field::Attribute(_) => 1.0,
         _ => unit,
@@ -581,7 +581,7 @@ fn row_hairs(
             (end_u, group) = (at, Some(2 * number + i32::from(side > 0)));
         }
         if !combed(end_u, group, &mut points) {
-            // Where a parting is near, the hair goes straight into the braid beside it.
+            // Near a parting, the hair runs straight into the braid beside it.
             (end_u, group) = (along, None);
             if section.is_none() || !combed(end_u, group, &mut points) {
                 continue;
@@ -605,10 +605,10 @@ fn row_hairs(
     Ok(())
 }
 
-/// Where round the braid hairs end, degrees over its side.
+/// Spread of hair ends around the braid, degrees above its side.
 const ROUND: f32 = 25.0;
 
-/// Even numbers in the unit square for the `i`-th hair on a side of a row: the first along the row.
+/// Evenly distributed numbers in the unit square for the `i`-th hair on a side of a row; the first runs along the row.
 fn spot(dice: Dice, row: u64, side: i32, i: usize) -> [f32; 2] {
     let s = u64::from(side > 0);
     r2(i as u32, [dice.unit(row, s), dice.unit(row, 2 + s)])

@@ -1,7 +1,7 @@
-//! The curves that partings give out: the lines themselves, the rows of their sections, and the sections' middles.
+//! The output curves of partings: the lines, the rows of their sections, and the sections' middles.
 //!
-//! Guarantees: every curve lies on the scalp and is bound to it, carries its parting or its section, and has an id that hangs from
-//! that alone. Not promised: rows where a section is a speck.
+//! Guarantees: every curve lies on the scalp and is bound to it, carries its parting or section, and has an id that
+//! depends only on that. Not promised: rows of sections that are specks.
 
 use super::middles;
 use crate::data::attributes::{DRIFT, Domain, ID, PARENT, PARTING, RADIUS, SCALP_NORMAL, SECTION};
@@ -23,12 +23,12 @@ pub(super) struct Maker<'a> {
     /// The head with its sections.
     pub(super) scalp: &'a Scalp,
     pub(super) chart: &'a Chart,
-    /// A cm of a head of average size.
+    /// Centimetres per head unit.
     pub(super) unit: f32,
     pub(super) seed: u64,
     /// The cells of the map that are parted.
     pub(super) part: &'a [bool],
-    /// How far drawn lines have drifted on this head, cm, by the ids of their partings.
+    /// Drift of drawn lines on this head, cm, by the ids of their partings.
     pub(super) drift: BTreeMap<u64, f32>,
 }
 
@@ -58,7 +58,7 @@ impl Maker<'_> {
         Some(b.build())
     }
 
-    /// The middle line of every section of the part, from the hairline on.
+    /// The centre line of every parted section, starting at the hairline.
     pub(super) fn rows(
         &self,
         cx: &EvalCx,
@@ -66,7 +66,7 @@ impl Maker<'_> {
         drawn: &[Vec<Vec2>],
         tied: Option<u32>,
     ) -> Result<Curves, NodeError> {
-        // A pattern knows the middles of its rows better than what lies between its lines shows.
+        // A pattern knows the centre lines of its rows better than the shapes between its lines show.
         let mut known: BTreeMap<u32, &[Vec2]> = BTreeMap::new();
         for line in drawn {
             if let Some((section, run)) = middles::longest_run(self.chart, sections, line) {
@@ -114,7 +114,7 @@ impl Maker<'_> {
         Ok(Curves::new(rows))
     }
 
-    /// The rows that were drawn, each with the section that most of it lies in.
+    /// The drawn rows, each with the section that most of it lies in.
     pub(super) fn known_rows(
         &self,
         cx: &EvalCx,
@@ -150,11 +150,11 @@ impl Maker<'_> {
         Ok(Curves::new(out))
     }
 
-    /// A short curve in the middle of every section of the part.
+    /// A short curve in the middle of every parted section.
     pub(super) fn middles(&self, sections: &Sections) -> Curves {
         let one = |section: &Section| {
             let root = self.scalp.closest_root(section.middle)?;
-            // Of a mesh that no map shows all is parted.
+            // On a mesh without a map, everything is parted.
             let cell = cell_of(self.chart.flat(root.point));
             if !sections.are_of_a_mesh() && !self.part[cell?] {
                 return None;
@@ -166,7 +166,7 @@ impl Maker<'_> {
             b.set(PARENT, Domain::Curve, vec![section.id]);
             b.set(SECTION, Domain::Curve, vec![section.id]);
             b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
-            // As wide as a disc of the section's area.
+            // The radius of a disc with the section's area.
             let radius = (section.area / std::f32::consts::PI).sqrt();
             b.set(RADIUS, Domain::Curve, vec![radius]);
             bind(&mut b, &[root]);

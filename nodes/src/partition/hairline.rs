@@ -6,8 +6,8 @@ use crate::scalp::lay::{Polyline, filter};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 
-/// A border that closes, with hair on the right of one who walks along it and looks at the head from outside. (On the map, whose
-/// picture is that of a mirror, on the left.)
+/// A closed border, with hair on the right when following it seen from outside the head. (On the left on the map, which
+/// is mirrored.)
 pub(crate) struct Hairline {
     pub(crate) line: Polyline,
 }
@@ -24,7 +24,7 @@ pub(crate) fn hairlines(scalp: &Scalp) -> Vec<Hairline> {
             let mut points: Vec<Vec3> =
                 flat.iter().filter_map(|q| Some(chart.root(scalp, *q)?.point)).collect();
             points.push(*points.first()?);
-            // The steps of the mesh are no hairline.
+            // Removes the staircase of the mesh.
             let even = Polyline::new(points);
             let n = (even.length() / 0.15).ceil() as usize;
             let mut points = even.evenly(n.max(8));
@@ -38,7 +38,7 @@ pub(crate) fn hairlines(scalp: &Scalp) -> Vec<Hairline> {
 }
 
 impl Hairline {
-    /// Point and direction at a part of its length.
+    /// Point and direction at a fraction of its length.
     pub(crate) fn at(&self, part: f32) -> (Vec3, Vec3) {
         let s = part.clamp(0.0, 1.0) * self.line.length();
         let (a, b) = (self.line.at((s - 0.4).max(0.0)), self.line.at(s + 0.4));
@@ -46,19 +46,20 @@ impl Hairline {
     }
 }
 
-/// Lines on the map on which the region is a half, by marching squares; hair lies on their left.
+/// Contours of the region at one half on the map, by marching squares; hair lies on their left.
 fn loops(chart: &Chart) -> Vec<Vec<Vec2>> {
     let grows = |cell: usize| chart.spots()[cell].grows;
-    // Each edge between two neighbouring cells that the line crosses, by its first cell and direction, and the next edge on.
+    // For each edge between two adjacent cells that the line crosses, by its first cell and direction, the next edge.
     let mut next: BTreeMap<(usize, bool), (usize, bool)> = BTreeMap::new();
     for y in 0..CELLS - 1 {
         for x in 0..CELLS - 1 {
             let a = y * CELLS + x;
-            // Corners counter-clockwise, and the edge from each to the one after.
+            // Corners counterclockwise, and the edge from each to the next.
             let corners = [a, a + 1, a + CELLS + 1, a + CELLS];
             let edges = [(a, false), (a + 1, true), (a + CELLS, false), (a, true)];
             let inside = corners.map(|c| grows(c) >= 0.5);
-            // With hair on the left a line enters where one goes from inside to outside and leaves where one comes back.
+            // With hair on the left, a line enters where one goes from inside to outside and leaves where one comes
+            // back.
             let enters = (0..4).filter(|i| !inside[*i] && inside[(*i + 1) % 4]);
             let leaves: Vec<usize> =
                 (0..4).filter(|i| inside[*i] && !inside[(*i + 1) % 4]).collect();
@@ -85,7 +86,7 @@ fn loops(chart: &Chart) -> Vec<Vec<Vec2>> {
             all.push(line);
         }
     }
-    // Which way they go round is told by looking: the cell to the left grows more.
+    // Their orientation is found by sampling: hair grows more in the cell to the left.
     for line in &mut all {
         let mut votes = 0i32;
         for w in line.windows(2).step_by(4) {

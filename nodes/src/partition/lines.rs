@@ -1,5 +1,5 @@
-//! Parting lines on the flat map: zig-zag and the hand's wobble, ends that are brought to what they were meant to meet, and how
-//! they are laid on the scalp.
+//! Parting lines on the flat map: zigzag and hand wobble, ends that snap to what they were meant to meet, and their
+//! projection onto the scalp.
 
 use super::pattern::{Flat, lengths};
 use crate::data::chart::{CELL, Chart, cross};
@@ -19,10 +19,10 @@ pub(crate) struct Uneven {
     pub(crate) dice: Dice,
 }
 
-/// Distance between a line's points on the map, in cells: short against a millimetre of bend.
+/// Spacing of a line's points on the map, in cells: short compared to bends of a millimetre.
 const STEP: f32 = 1.5 * CELL;
 
-/// A line through `points`, evenly `n` pieces long.
+/// The line through `points`, divided into `n` equal pieces.
 fn evenly(chart: &Chart, points: &[Vec2], n: usize) -> Vec<Vec2> {
     let sums = lengths(chart, points.iter().copied());
     let total = sums.last().copied().unwrap_or(0.0);
@@ -40,16 +40,16 @@ fn evenly(chart: &Chart, points: &[Vec2], n: usize) -> Vec<Vec2> {
         .collect()
 }
 
-/// The line with points close enough for its bends.
+/// The line with enough points for its bends.
 pub(crate) fn fine(chart: &Chart, points: &[Vec2]) -> Vec<Vec2> {
     let flat: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
     evenly(chart, points, ((flat / STEP).ceil() as usize).clamp(1, 4096))
 }
 
-/// Points of a line of the map on the scalp, so close and so even that a spline through its points is the line that hair keeps off.
-/// Over what is too rough or too thin to lie on, such as the locks of a scan, it goes straight on.
+/// Points of a map line on the scalp, close and even enough that a spline through them is the line that hair keeps off.
+/// Over skin that is too rough or thin, such as the modeled locks of a scan, the line runs straight on.
 pub(crate) fn laid(scalp: &Scalp, chart: &Chart, line: &[Vec2]) -> Vec<Vec3> {
-    /// Distance of its points, and how far the scalp may be from a smooth line, cm.
+    /// Spacing of its points, and the largest distance between scalp and smooth line, cm.
     const STEP: f32 = 0.06;
     const ROUGH: f32 = 0.008;
     let down = |points: &[Vec3]| -> Vec<Vec3> {
@@ -77,11 +77,11 @@ pub(crate) fn laid(scalp: &Scalp, chart: &Chart, line: &[Vec2]) -> Vec<Vec3> {
             *p = p.lerp(on, smooth);
         }
     }
-    // What was drawn to the scalp lies unevenly beside folds, and would be read as another line elsewhere.
+    // Projected points are uneven beside folds, and other programs would read them as another line.
     evenly(points, STEP)
 }
 
-/// Makes a line uneven. Ends that are tied stay where they are.
+/// Makes a line uneven. Tied ends stay in place.
 pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
     let total = lengths(chart, line.points.iter().copied()).last().copied().unwrap_or(0.0);
     if line.points.len() < 2 || total < 0.5 {
@@ -95,18 +95,18 @@ pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
     let n = if zigzag { halves * each } else { (total / 0.15).ceil().clamp(4.0, 2048.0) };
     let base = evenly(chart, &line.points, n as usize);
     let phase = [0, 1, 2].map(|k| how.dice.unit(line.id, k));
-    // A hand's line strays slowly: waves of 7, 4 and 2.6 cm, whole ones on a closed line.
+    // A hand-drawn line strays slowly: in waves of 7, 4 and 2.6 cm, whole ones on a closed line.
     let waves = [7.0, 4.0, 2.6].map(|wave| (total / wave).round().max(1.0));
     let last = base.len() - 1;
     let moved = (0..=last).map(|k| {
         let part = k as f32 / last as f32;
-        // From where lines meet on it grows over a centimetre.
+        // Where lines meet, it grows over one centimetre.
         let from = |tied: bool, s: f32| if tied { (s * total).min(1.0) } else { 1.0 };
         let near_end = from(line.tied[0], part).min(from(line.tied[1], 1.0 - part));
         let mut off = 0.0;
         if zigzag {
             let x = part * halves;
-            // 0 at whole halves, 1 and -1 in their middles by turns.
+            // 0 at whole halves, alternating 1 and -1 at their centres.
             let saw = 1.0 - (2.0 * (x - x.floor()) - 1.0).abs();
             off += how.amplitude * if (x.floor() as i64) % 2 == 0 { saw } else { -saw };
         }
@@ -128,7 +128,7 @@ pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
     line.points = moved.collect();
 }
 
-/// The point `off` cm to the left of `q` for one who goes along `way`, square to it on the head.
+/// The point `off` cm to the left of `q` when heading along `way`, perpendicular to it on the head.
 fn aside(chart: &Chart, q: Vec2, way: Vec2, off: f32) -> Vec2 {
     let Some(way) = way.try_normalize() else { return q };
     let (spread, step) = (chart.spread(), way * 0.5 * CELL);
@@ -139,17 +139,17 @@ fn aside(chart: &Chart, q: Vec2, way: Vec2, off: f32) -> Vec2 {
     spread.flat_direction(here + left * (off / out.max(1e-3)))
 }
 
-/// What became of a line's end.
+/// State of a line's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
-    /// It meets another line or lies beyond the hairline.
+    /// It meets another line or lies outside the hairline.
     Met,
     /// It ends in hair and cuts nothing.
     Loose,
 }
 
-/// Ends a line where it meets others: what is over beyond the last crossing is taken off, up to `join` cm, or what lacks is
-/// added, up to `farthest`. The line's last point is meant; turn it round for its first.
+/// Ends a line where it meets others: trims up to `join` cm past the last crossing, or extends up to `farthest`.
+/// Applies to the line's last point; reverse the line for its first.
 pub(crate) fn end(
     chart: &Chart,
     points: &mut Vec<Vec2>,
@@ -170,13 +170,13 @@ pub(crate) fn end(
             break;
         }
         let (a, b) = (points[k - 1], points[k]);
-        // From the end inwards the farthest crossing is the one where the line should have stopped.
+        // Going inward from the end, the farthest crossing is where the line should have stopped.
         if let Some(t) = first_crossing(a, b, &through) {
             last = Some((k, t));
         }
         walked += a.distance(b);
     }
-    // Hair's breadths beyond the line that is met: enough that no way leads through between.
+    // Slightly past the other line: enough that no path leads through between.
     let over = OVER * per_cm;
     if let Some((k, t)) = last {
         let (a, b) = (points[k - 1], points[k]);
@@ -185,7 +185,7 @@ pub(crate) fn end(
         return End::Met;
     }
     if chart.grows(tip) == 0.0 {
-        // What lies beyond the hairline parts nothing, but for a first step.
+        // Outside the hairline nothing is parted, except for a first step.
         let inside = points.iter().rposition(|q| chart.grows(*q) > 0.0);
         if let Some(k) = inside {
             points.truncate((k + 2).min(points.len()));
@@ -210,10 +210,10 @@ pub(crate) fn end(
     End::Met
 }
 
-/// How far a line that meets another goes beyond it, cm.
+/// How far a line continues past one that it meets, cm.
 const OVER: f32 = 0.02;
 
-/// The pieces of lines near a point, without those that end within `tip` of their line's end.
+/// The segments of lines near a point, without those that end within `tip` of their line's end.
 fn near<'a>(others: &[&'a [Vec2]], p: Vec2, reach: f32, tip: f32) -> Vec<&'a [Vec2]> {
     let close = |w: &[Vec2]| {
         let (lo, hi) = (w[0].min(w[1]) - reach, w[0].max(w[1]) + reach);
@@ -230,7 +230,7 @@ fn near<'a>(others: &[&'a [Vec2]], p: Vec2, reach: f32, tip: f32) -> Vec<&'a [Ve
     others.iter().flat_map(|line| of(line)).collect()
 }
 
-/// How far from `a` to `b` the first of the pieces is crossed, 0 to 1.
+/// Fraction of the way from `a` to `b` at which the first of the segments is crossed.
 fn first_crossing(a: Vec2, b: Vec2, pieces: &[&[Vec2]]) -> Option<f32> {
     let at = |w: &&[Vec2]| {
         if !cross(a, b, w[0], w[1]) {

@@ -1,8 +1,8 @@
-//! The middle line of a section, whatever its shape: the way along it that has as much of it left as right.
+//! The centre line of a section of any shape: the path along it with equal parts of the section on its left and right.
 //!
-//! The two farthest points of a section, by the way through it, give a first direction; then everything in the section is gathered
-//! by how far along it lies, and the centres of gravity make the line. Twice more along that line itself, and it no longer
-//! depends on where the first two points lay.
+//! The two points of a section that are farthest apart, measured inside it, give an initial direction. The section's
+//! cells are then binned by position along it, and the centroids of the bins form the line. Two more passes along that
+//! line itself make the result independent of the initial points.
 
 use crate::data::chart::{CELL, CELLS, Chart, around, cell_of};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The middle lines' points are this far apart, cm.
+/// Spacing of the points of centre lines, cm.
 const STEP: f32 = 0.5;
 
 /// The cells of every section.
@@ -25,7 +25,7 @@ pub(crate) fn members(sections: &Sections) -> Vec<Vec<u32>> {
     all
 }
 
-/// Points (on the map) along the middle of a section with these cells; none when it is a speck.
+/// Points (on the map) along the centre of a section with these cells; `None` if it is a speck.
 pub(crate) fn line(
     chart: &Chart,
     sections: &Sections,
@@ -48,7 +48,7 @@ pub(crate) fn line(
     for _ in 0..3 {
         filter(&mut points, 4);
         let line = Polyline::new(points);
-        // Beyond the line's ends what is left over would draw them aside.
+        // Cells past the line's ends would pull the ends aside.
         let even = line.evenly(bands.min((line.length() / STEP).ceil() as usize + 2));
         let n = even.len() as f32;
         points = centres(cells, chart, even.len(), |cell| {
@@ -67,7 +67,7 @@ pub(crate) fn line(
     Some(line)
 }
 
-/// Lengthens a line until it leaves its section or where hair grows.
+/// Extends a line until it leaves its section or the region.
 fn reach_out(chart: &Chart, sections: &Sections, section: u32, line: &mut Vec<Vec2>) {
     let inside = |q: Vec2| {
         let p = chart.spread().direction(q);
@@ -86,7 +86,7 @@ fn reach_out(chart: &Chart, sections: &Sections, section: u32, line: &mut Vec<Ve
     line.extend(last);
 }
 
-/// The cell farthest from one by the way through a section, and every cell's distance, cm.
+/// The cell farthest from a given one, measured inside the section, and every cell's distance, cm.
 fn farthest(
     chart: &Chart,
     sections: &Sections,
@@ -111,7 +111,7 @@ fn farthest(
             let next = d + spots[other].point.distance(spots[cell as usize].point);
             if next < far[other] {
                 far[other] = next;
-                // Distances are not negative, so their bits are in their order.
+                // Distances are not negative, so their bits sort like their values.
                 heap.push(Reverse((next.to_bits(), other as u32)));
             }
         }
@@ -119,7 +119,7 @@ fn farthest(
     Some((best.1, far))
 }
 
-/// The centres of gravity of cells by how far along (0 to 1) they lie; empty bands are left out.
+/// The centroids of cells by position along the line (0 to 1); empty bins are skipped.
 fn centres(cells: &[u32], chart: &Chart, bands: usize, part: impl Fn(u32) -> f32) -> Vec<Vec3> {
     let mut sums = vec![(glam::DVec3::ZERO, 0.0f64); bands];
     for cell in cells {
@@ -135,7 +135,7 @@ fn centres(cells: &[u32], chart: &Chart, bands: usize, part: impl Fn(u32) -> f32
     sums.iter().filter(|(_, w)| *w > 0.0).map(|(sum, w)| (*sum / *w).as_vec3()).collect()
 }
 
-/// The part of a line that lies in one section, where most of it does.
+/// The longest part of a line that lies in one section.
 pub(crate) fn longest_run<'l>(
     chart: &Chart,
     sections: &Sections,
@@ -162,7 +162,7 @@ pub(crate) fn longest_run<'l>(
     (b - a > 3).then(|| (labels[a].unwrap_or_default(), &line[a..b]))
 }
 
-/// The line turned so that it starts at the hairline, or where both ends do (or none), in front.
+/// The line oriented to start at the hairline or, if both ends or neither are there, in front.
 pub(crate) fn from_the_hairline(
     scalp: &Scalp,
     sections: &Sections,
@@ -172,7 +172,7 @@ pub(crate) fn from_the_hairline(
     let end = |q: Vec2| {
         let cell = cell_of(q).unwrap_or(0);
         let p = chart.spots()[cell].point;
-        // Nearer to where no hair grows than to any line.
+        // Closer to bare skin than to any line.
         let line = sections.at(p).map_or(0.0, |place| place.distance);
         let reach = (line / (CELL * HEAD_RADIUS)).ceil() + 6.0;
         let ring = (0..16).any(|k| {
@@ -192,7 +192,7 @@ pub(crate) fn from_the_hairline(
     line
 }
 
-/// Half of a section's width beside each point of its row, cm; `unit` is a cm of a head of average size.
+/// Half of a section's width at each point of its row, cm; `unit` is one head unit in cm.
 pub(crate) fn half_widths(scalp: &Scalp, section: u32, roots: &[Root], unit: f32) -> Vec<f32> {
     let (chart, step) = (scalp.chart(), 0.06 * unit);
     let inside = |q: Vec2| {

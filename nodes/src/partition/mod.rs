@@ -1,4 +1,4 @@
-//! Partings, and the hair that lies along them.
+//! Partings, and the hair along them.
 
 use crate::define::NodeDef;
 

@@ -1,27 +1,28 @@
-//! Two families of lines that cross squarely all over a sphere of directions: those that run from one pole to another, and the
-//! rings around the poles.
+//! Two orthogonal families of curves on a sphere of directions: lines from one pole to another, and rings around the
+//! poles.
 //!
-//! The sphere is laid on a plane so that one pole comes to rest at its origin and the other at infinity (a stereographic
-//! projection from the second): what ran from pole to pole are rays, what went round them circles. The poles need not lie opposite
-//! each other, which is how rows of braids fan out over a head and come together in the neck.
+//! The sphere is projected stereographically from the second pole, so that the first pole is at the origin and the
+//! second at infinity: lines between the poles become rays, rings become circles. The poles need not be opposite each
+//! other, which is how rows of braids fan out over a head and converge at the neck.
 
 use crate::maths::transcendental::{atan2, exp, ln, sin_cos};
 use glam::{Vec2, Vec3};
 
-/// The net between two poles. Directions are those of the head frame.
+/// The net between two poles. Directions are in the head frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Net {
-    /// The pole at infinity, and two directions square to it.
+    /// The pole at infinity, and two directions perpendicular to it.
     to: Vec3,
     axes: [Vec3; 2],
-    /// Where the other pole lies on the plane.
+    /// Position of the other pole on the plane.
     from: Vec2,
     zero: f32,
     sign: f32,
 }
 
 impl Net {
-    /// The net whose lines run from one direction to another. The line through `zero` is called 0; angles grow towards `plus`.
+    /// The net whose lines run from one direction to another. The line through `zero` is number 0; angles grow toward
+    /// `plus`.
     pub(crate) fn new(from: Vec3, to: Vec3, zero: Vec3, plus: Vec3) -> Self {
         let to = to.normalize_or(Vec3::NEG_Y);
         let axes = [to.any_orthonormal_vector(), to.cross(to.any_orthonormal_vector())];
@@ -39,13 +40,13 @@ impl Net {
         let scale = 1.0 / (1.0 - d.dot(self.to)).max(1e-7);
         Vec2::new(d.dot(self.axes[0]), d.dot(self.axes[1])) * scale
     }
-    /// Which line a direction lies on (radians, -pi to pi) and which ring (minus to plus infinity, from pole to pole).
+    /// The line of a direction (radians, -pi to pi) and its ring (minus to plus infinity, from pole to pole).
     pub(crate) fn place(&self, d: Vec3) -> (f32, f32) {
         let w = self.plane(d) - self.from;
         let turn = (atan2(w.y, w.x) - self.zero * self.sign) * self.sign;
         (wrapped(turn), ln(w.length().max(1e-9)))
     }
-    /// The direction at which a line and a ring cross.
+    /// The direction where a line and a ring cross.
     pub(crate) fn at(&self, line: f32, ring: f32) -> Vec3 {
         let (sin, cos) = sin_cos((line + self.zero) * self.sign);
         let q = self.from + Vec2::new(cos, sin) * exp(ring.clamp(-20.0, 20.0));

@@ -1,13 +1,14 @@
-//! How far it is from a row over the scalp, not through the head or past an ear.
+//! Distance from a row over the scalp, rather than through the head or past an ear.
 //!
-//! Distances march outwards from the row over the cells of the scalp's map, by the fast marching method on triangles (Kimmel and
-//! Sethian, Computing geodesic paths on manifolds, 1998), with the cells' points in space: between skin in front of an ear
-//! and skin behind it the way goes round the ear. Where no hair grows, the map's points lie on the cranium's sphere and a way is
-//! [`BARE`] times as long, so that one leads to skin that is cut off from the rest, but none past an ear.
+//! Distances propagate outward from the row over the cells of the scalp's map, by the fast marching method on triangles
+//! (Kimmel and Sethian, Computing geodesic paths on manifolds, 1998), using the cells' positions in space: between skin
+//! in front of an ear and skin behind it, the path goes around the ear. Where no hair grows, the map's points lie on
+//! the cranium's sphere and paths count [`BARE`] times as long, so that they reach isolated skin but never pass under
+//! an ear.
 //!
-//! Guarantees: within half a millimetre of the way over smooth skin, tested up to 8 cm on a ball; the same bits on every machine.
-//! Not promised: how far places are where no hair grows (only which row has them), or on skin over the map's and on a mesh that has
-//! no map; distances are straight there.
+//! Guarantees: within half a millimetre of the geodesic distance over smooth skin, tested up to 8 cm on a ball; the
+//! same bits on every machine. Not promised: distances where no hair grows (only which row is nearest), on layers above
+//! the map's skin, or on a mesh without a map; distances there are straight.
 
 use crate::data::chart::{self, CELLS, Chart};
 use crate::data::scalp::Scalp;
@@ -17,23 +18,23 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 /// Distances from a row over the scalp.
 pub(crate) struct Over {
-    /// Lower corner and size of the window of the map that is known.
+    /// Lower corner and size of the computed window of the map.
     low: [usize; 2],
     size: [usize; 2],
-    /// For each cell of it; the largest number where the way is longer than `reach`.
+    /// Distance of each cell of the window; the largest float if it exceeds `reach`.
     far: Vec<f32>,
     reach: f32,
 }
 
-/// The map is seeded this many cells to either side of a row.
+/// Cells to each side of a row that are initialized.
 const SEEDS: i32 = 4;
-/// How much longer a way is where no hair grows: through the foot of an ear it is then no shorter than round it.
+/// Cost of paths where no hair grows: through the base of an ear they are then no shorter than around it.
 const BARE: f32 = 4.0;
-/// Parts of a row higher than this over the scalp (cm) have left it.
+/// Parts of a row higher than this above the scalp (cm) have left it.
 const HIGH: f32 = 2.0;
 
 impl Over {
-    /// Distances up to `reach` cm from a line of points on the scalp; none where it lies nowhere on the map.
+    /// Distances up to `reach` cm from a line of points on the scalp; `None` if it is nowhere on the map.
     pub(crate) fn new(line: &[Vec3], scalp: &Scalp, reach: f32) -> Option<Self> {
         let chart = scalp.chart();
         let seeds = seeds(line, chart);
@@ -43,7 +44,7 @@ impl Over {
         let mut far = Window::default();
         for (cell, d) in seeds {
             far.set(cell, d);
-            // Distances are not negative, so their bits are in their order.
+            // Distances are not negative, so their bits sort like their values.
             heap.push(Reverse((d.to_bits(), cell)));
         }
         while let Some(Reverse((bits, cell))) = heap.pop() {
@@ -80,9 +81,9 @@ impl Over {
         }
         Some(Self { low, size, far: found, reach })
     }
-    /// How far a point of the scalp is from the row, cm, where its straight distance is `straight`.
+    /// Distance of a point of the scalp from the row, cm, given its straight distance.
     pub(crate) fn at(&self, chart: &Chart, p: Vec3, straight: f32) -> f32 {
-        // Beside the row the straight way is the way over the skin.
+        // Next to the row, the straight distance is the distance over the skin.
         if straight < NEAR {
             return straight;
         }
@@ -97,7 +98,7 @@ impl Over {
             }
             let (x, y) = (q.x as usize, q.y as usize);
             let spot = &chart.spots()[y * CELLS + x];
-            // Skin over the map's, such as the back of an ear, is not on it.
+            // Skin above the map's, such as the back of an ear, is not on the map.
             if spot.area > 0.0 && spot.point.distance_squared(p) > BESIDE * BESIDE {
                 continue;
             }
@@ -110,7 +111,7 @@ impl Over {
         }
         match on_map {
             true if all > 1e-3 => straight.max(sum / all),
-            // No way leads here within reach: rows are told apart by straight distances.
+            // No path within reach: rows are compared by straight distance.
             true => self.reach + straight,
             false => straight,
         }
@@ -123,7 +124,7 @@ impl Over {
 
 /// Points farther than this (cm) from the skin of their cells are not on the map.
 const BESIDE: f32 = 2.0;
-/// Straight distances under this (cm) are those over the skin.
+/// Below this distance (cm), straight distances equal those over the skin.
 const NEAR: f32 = 0.4;
 
 fn grows(chart: &Chart, cell: usize) -> bool {
@@ -155,7 +156,7 @@ fn seeds(line: &[Vec3], chart: &Chart) -> BTreeMap<u32, f32> {
     seeds
 }
 
-/// How far a cell is by way of `from` and the finished cells beside both.
+/// Distance of a cell by way of `from` and the finished cells next to both.
 fn reached(chart: &Chart, far: &Window, cell: u32, from: u32) -> f32 {
     let spots = chart.spots();
     let here = spots[cell as usize].point;
@@ -168,7 +169,7 @@ fn reached(chart: &Chart, far: &Window, cell: u32, from: u32) -> f32 {
     let mut best = da + a.length();
     let (x, y) = ((from as usize % CELLS) as i32, (from as usize / CELLS) as i32);
     let (cx, cy) = ((cell as usize % CELLS) as i32, (cell as usize / CELLS) as i32);
-    // The two cells that are beside `from` on the ring round this one: one eighth of a turn on and back.
+    // The two cells next to `from` on the ring around this one: one eighth of a turn in each direction.
     let (dx, dy) = (x - cx, y - cy);
     for turn in [1, -1] {
         let (ex, ey) = ((dx - turn * dy).clamp(-1, 1), (dy + turn * dx).clamp(-1, 1));
@@ -185,8 +186,8 @@ fn reached(chart: &Chart, far: &Window, cell: u32, from: u32) -> f32 {
     best
 }
 
-/// The distance of the origin behind a flat front that has come to `a` at `da` and to `b` at `db`; a large number where the
-/// front does not come from between the two.
+/// Distance of the origin behind a planar front that passed `a` at `da` and `b` at `db`; a large number if the front
+/// does not come from between the two.
 fn through(a: Vec3, da: f32, b: Vec3, db: f32) -> f32 {
     // With T the time here, (T - da, T - db) are the front's direction along a and b: its length is 1.
     let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
@@ -207,7 +208,7 @@ fn through(a: Vec3, da: f32, b: Vec3, db: f32) -> f32 {
     if wx >= 0.0 && wy >= 0.0 && t >= da.max(db) { t } else { f32::MAX }
 }
 
-/// Distances while they are found.
+/// Distances during propagation.
 struct Window {
     far: Vec<f32>,
     done: Vec<bool>,
@@ -268,7 +269,7 @@ mod tests {
             let v = Vec3::from([0, 1, 2].map(|k| dice.signed(id, k)));
             let up = Vec3::new(v.x, v.y.abs() + 0.2, v.z).normalize();
             let p = scalp.closest_root(up * 8.9).unwrap().point;
-            // The nearest of many points of the line, by their angle.
+            // The nearest of many points of the line, by angle.
             let arc = |k: i32| {
                 let (s, c) = sin_cos(0.1 + 1.3 * k as f32 / 600.0);
                 8.9 * acos(up.dot(Vec3::new(0.0, c, s)).clamp(-1.0, 1.0))
@@ -285,7 +286,7 @@ mod tests {
 
     #[test]
     fn borders_lie_half_way_to_a_millimetre() {
-        // Half-way between two meridians is the one between them.
+        // Halfway between two meridians is the one between them.
         let scalp = shared_ball();
         let rows = [-0.5, 0.5].map(|turn| {
             let row = Row::new(1, &meridian(turn)).unwrap();
@@ -301,7 +302,7 @@ mod tests {
 
     #[test]
     fn skin_that_is_cut_off_belongs_to_the_nearest_row_too() {
-        // The ball's cap with a bare ring round it, and skin again below the ring.
+        // The ball's cap with a bare ring around it, and skin again below the ring.
         let ball = shared_ball();
         let bare = |p: &Vec3| (4.0..6.0).contains(&p.y);
         let region = ball.surface().points.iter().map(|p| f32::from(p.y > 0.0 && !bare(p)));
@@ -323,7 +324,7 @@ mod tests {
 
     #[test]
     fn behind_an_ear_the_way_is_longer_than_straight() {
-        // A row before the ear, and skin behind the ear.
+        // A row in front of the ear, and skin behind the ear.
         let mesh = crate::scalp::bust::adult();
         let (surface, frame) = (Surface::new(mesh.points, mesh.triangles), HeadFrame::IDENTITY);
         let ears = ears(&surface, &frame, &|| Ok(())).unwrap();

@@ -1,12 +1,12 @@
 //! Partings: lines that cut the scalp into sections, drawn or from a pattern.
 //!
-//! methods.md 3, "partings first". Lines are brought to the flat map of the scalp, made uneven as asked, ended where they meet one
-//! another or the hairline, and handed to [`crate::data::sections`], which does the cutting. The scalp that comes out is the one
-//! that went in with its sections on it, so every node with a scalp input knows them.
+//! methods.md 3, "partings first". Lines are projected to the flat map of the scalp, made uneven as requested, ended
+//! where they meet each other or the hairline, and passed to [`crate::data::sections`], which does the cutting. The
+//! output is the input scalp with its sections, so every node with a scalp input knows them.
 //!
-//! Guarantees: everything is measured on the head, so that a pattern fits another; on a symmetric head patterns are symmetric
-//! but for wobble; a section's curves change only when it does. A drawn line that ends in the middle of hair parts what is beside
-//! it and cuts no section, which is said.
+//! Guarantees: everything is measured on the head, so that a pattern fits another head; on a symmetric head patterns
+//! are symmetric except for wobble; a section's curves change only if the section does. A drawn line that ends in the
+//! middle of hair parts the hair beside it and cuts no section, which is reported.
 
 use super::between::between;
 use super::given::Maker;
@@ -26,94 +26,95 @@ use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 node! {
-    /// Part the hair: cut the scalp into sections along drawn lines or in a pattern.
+    /// Parts the hair: cuts the scalp into sections along drawn lines or in a pattern.
     ///
-    /// Wire the scalp that comes out to the nodes that grow hair: none of it is rooted on a parting, and none is led by hair of
-    /// another section. Braid along the rows, put puffs and free braids on the middles. A second Partings node cuts the
-    /// sections of the first, in all of them or where a mask says; every section is a mask by its name, and one that is cut on
-    /// stays all of its parts by it. On an animal or any other mesh drawn lines cut, along its triangles; patterns are for heads.
+    /// Wire the resulting scalp to every node that grows hair: nothing roots in a parting, and hair is not shaped by
+    /// guides of another section. Braid along the rows; put puffs and free braids on the middles. A second Partings
+    /// node cuts the sections again, all of them or where a mask says. Each section is a mask by its name, and keeps
+    /// that name for all its parts when it is cut again. On animals and other meshes, only drawn lines cut, along the
+    /// triangles; patterns need a head.
     "partings", version 1, label "Partings", words "part parting section sections grid line cornrow canerow rows boxes triangles zigzag zig-zag halo brick pattern comb rat tail scalp divide split";
     inputs {
-        /// The head, or a head that has partings already.
+        /// The head; it may have partings already.
         scalp: Arc<Scalp>;
-        /// Drawn partings. Lines that end near another one or near the hairline are brought to it.
+        /// Drawn partings. Ends near another line or the hairline snap to it.
         lines: Option<Curves>, words("strokes drawn");
-        /// Rows that are drawn already: hair is parted half-way between each two that lie beside each other, so that every
-        /// row has a section of its own. The output rows is these then.
+        /// Rows that are already drawn. The hair is parted halfway between neighbouring rows, so that each row gets its
+        /// own section. The rows output then returns these rows.
         between: Option<Curves>, words("braids first rows neighbours half-way territory");
-        /// Rows of a pattern, beside the drawn lines.
+        /// Pattern of rows, added to the drawn lines.
         pattern: Pattern = Pattern::None, words("rows generator cornrow layout style");
-        /// How many rows: on both sides together, or rings.
+        /// Number of rows (both sides together), or of rings.
         count: i64 = 8, hard(1.0, 100.0), soft(2.0, 24.0), unit(Count), words("number amount rows");
         /// What the rows are cut into.
         cells: Cells = Cells::Whole, words("box boxes triangle grid squares brick");
-        /// Length of a box or triangle along its row. It is changed a little so that a row holds a whole number.
+        /// Length of a box or triangle along its row, adjusted so that a whole number fits.
         cell_length: f32 = 2.5, hard(0.2, 50.0), soft(0.8, 6.0), unit(Length), words("size box");
-        /// Lay boxes like bricks, each over the gap of the row before, which hides the partings.
+        /// Stagger boxes like bricks, so that the partings do not line up.
         brick: bool = true, words("offset stagger");
         /// Width of the bare skin along a line.
         width: f32 = 0.16, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("gap skin line thickness");
 
         [Placement]
-        /// Where the pattern is drawn; usually the name of a section as a mask.
+        /// Where the pattern is drawn; usually the name of a section, as a mask.
         area: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mask region front back section where");
-        /// Names for sections: a name and a point in it, in the head frame as above, such as `left puff 4 7 -3; fringe 0 6 8`.
+        /// Names for sections, each with a point inside it in the head frame, such as `left puff 4 7 -3; fringe 0 6 8`.
         names: Arc<str> = "", words("name label");
 
         [Shape]
-        /// How far zig-zag lines go to each side. 0 is straight.
+        /// Amplitude of a zigzag parting, to each side. 0 is straight.
         zigzag: f32 = 0.0, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("zig zag amplitude lightning");
-        /// Length of one zig and one zag.
+        /// Length of one full zigzag.
         zigzag_period: f32 = 2.0, hard(0.1, 50.0), soft(0.5, 6.0), unit(Length), words("wavelength");
-        /// Turns the rows about the head, or says how far curved rows sweep.
+        /// Rotation of the rows around the head, or the sweep of curved rows.
         turn: f32 = 0.0, hard(-180.0, 180.0), soft(-90.0, 90.0), unit(Angle), handle(Handle::Angle), words("rotate slant sweep");
-        /// Where rows gather or what rings lie about, in the head frame (x to the head's left, y up, z forward), centimetres on a
-        /// head of average size.
+        /// Point where rows gather or that rings surround, in the head frame (x to the head's left, y up, z forward),
+        /// in head units.
         centre: Vec3 = Vec3::new(0.0, 7.6, -4.6), handle(Handle::Point), words("center crown bun ponytail");
-        /// Radius of the round section in which gathered rows end.
+        /// Radius of the round section that gathered rows end at.
         gather_radius: f32 = 2.5, hard(0.1, 20.0), soft(0.5, 6.0), unit(Length), handle(Handle::Radius), words("bun ponytail tie");
-        /// Lay the rows alike on both sides of the head.
+        /// Mirror the rows across the midline.
         symmetric: bool = true, words("mirror");
 
         [Detail]
-        /// Line ends this near to another line or to the hairline are brought to it.
+        /// Line ends within this distance of another line or the hairline snap to it.
         join: f32 = 0.6, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("snap weld extend close");
-        /// Whether lengths grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How far lines stray as a hand's do. 0 is drawn with a ruler.
+        /// Random deviation of the lines, as drawn by hand. 0 is ruler-straight.
         wobble: f32 = 0.04, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("uneven hand natural random");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// The head with its sections, for every node that asks for a scalp.
+        /// The head with its sections, for every node with a scalp input.
         scalp: Arc<Scalp>;
-        /// The lines, lying on the scalp; over an ear or what is too rough to lie on, straight on.
+        /// The parting lines on the scalp. Over ears and rough skin they run straight.
         partings: Curves;
-        /// The middle line of each section, from the hairline on, as wide as the section: to braid along. The round section
-        /// that gathered rows end at has none. Where rows are drawn already, those, each with its section.
+        /// Centre line of each section, starting at the hairline, as wide as the section, to braid along; or the rows
+        /// given, each with its section. The round section of a gathered pattern has none.
         rows: Curves;
-        /// A short curve standing in the middle of each section: for free braids, twists and puffs.
+        /// A short curve standing in the middle of each section, for free braids, twists and puffs.
         middles: Curves;
     }
 }
 
 choice! {
-    /// How rows run.
+    /// Layout of the rows.
     Pattern {
         /// Drawn lines only.
         None = "none",
         /// From the forehead straight back to the nape.
         StraightBack = "straight_back",
-        /// From a middle parting round both sides of the head to the nape.
+        /// From a middle parting around both sides of the head to the nape.
         Curved = "curved",
         /// From ear to ear.
         Across = "across",
-        /// From the hairline all round to one point, for a bun or a ponytail.
+        /// From all around the hairline to one point, for a bun or ponytail.
         Gathered = "gathered",
-        /// Rings round the head, as far from the hairline everywhere.
+        /// Rings around the head, each at a constant distance from the hairline.
         Halo = "halo",
     }
 }
@@ -121,7 +122,7 @@ choice! {
 choice! {
     /// What rows are cut into.
     Cells {
-        /// Nothing: whole rows.
+        /// Whole rows.
         Whole = "whole",
         /// Boxes.
         Boxes = "boxes",
@@ -176,7 +177,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let maker = Maker { scalp: &parted, chart, unit, seed, part: &part, drift };
     let lines = sections.partings()[before..].iter().map(|p| maker.parting(p));
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
-    // What rows are gathered to is no row.
+    // The section that rows gather to is not a row.
     let tied = (inputs.pattern == Pattern::Gathered)
         .then(|| {
             sections.at(scalp.frame().point_from_head(gathered_to(&inputs, scalp) * HEAD_RADIUS))
@@ -192,7 +193,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { scalp: parted, partings, rows, middles })
 }
 
-/// Lays drawn lines and those of a pattern on the map of a head, and gives the middles of the pattern's rows.
+/// Puts drawn lines and pattern lines on the map of a head, and returns the centre lines of the pattern's rows.
 fn on_the_map(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -216,7 +217,7 @@ fn on_the_map(
     Ok(middles)
 }
 
-/// Lays drawn lines on a mesh that no map shows, such as an animal's.
+/// Puts drawn lines on a mesh without a map, such as an animal's.
 fn on_the_mesh(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -253,7 +254,7 @@ fn on_the_mesh(
     Ok(())
 }
 
-/// The lines that were drawn, by their ids; what is no line is told.
+/// The drawn lines by id; invalid ones are reported.
 fn by_hand(cx: &EvalCx, inputs: &Inputs) -> Vec<(u64, Spline)> {
     let lines = inputs.lines.iter().flat_map(|curves| curves.each());
     let one = |(tuft, i): (&Tuft, usize)| {
@@ -263,7 +264,7 @@ fn by_hand(cx: &EvalCx, inputs: &Inputs) -> Vec<(u64, Spline)> {
     lines.filter_map(one).collect()
 }
 
-/// Whether a line ends where it began, to within `join` and a quarter of its length.
+/// Whether a line ends where it began, within `join` and a quarter of its length.
 fn is_closed(line: &Spline, join: f32) -> bool {
     line.at(0.0).distance(line.at(1.0)) < join.min(0.25 * line.length())
 }
@@ -297,7 +298,7 @@ fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
     Ok(out)
 }
 
-/// Drawn lines and those of the pattern, on the map.
+/// Drawn lines and pattern lines, on the map.
 fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn, NodeError> {
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
@@ -365,16 +366,16 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
     Ok(drawn)
 }
 
-/// Where rows gather, as a direction of the head frame.
+/// Where rows gather, as a direction in the head frame.
 fn gathered_to(inputs: &Inputs, scalp: &Scalp) -> Vec3 {
     scalp.space().direction(inputs.centre).unwrap_or(Vec3::Y)
 }
 
-/// How far a line of a pattern is led on, cm.
+/// How far a pattern line is extended, cm.
 const FARTHEST: f32 = 4.0;
 
-/// Ends lines where they meet: rows first, then what cuts rows. Rows twice, for what one was ended at may itself have been
-/// ended nearer since.
+/// Ends lines where they meet: rows first, then the lines that cut rows. Rows twice, since the line that one was ended
+/// at may have been shortened since.
 fn bring_together(
     cx: &EvalCx,
     space: &HeadSpace,
@@ -396,9 +397,9 @@ fn bring_together(
                 .map(Vec::as_slice)
                 .chain(mine.map(|(_, line)| line.points.as_slice()))
                 .collect();
-            // What cuts a row reaches over by a share of the row, which may be more.
+            // Lines that cut a row extend past it by a fraction of the row, which may be more.
             let join = if rows { join } else { join.max(2.0) };
-            // Lines of a pattern go on until they meet something.
+            // Pattern lines are extended until they meet something.
             let reach = if lines[i].by_hand { join } else { join.max(FARTHEST) };
             let mut loose = 0;
             let [first, last_tied] = lines[i].tied;
@@ -415,7 +416,7 @@ fn bring_together(
                 }
                 points.reverse();
             }
-            // What of a pattern parts nothing is left out when the scalp is cut.
+            // Pattern lines that divide nothing are dropped when the scalp is cut.
             if loose > 0 && last && lines[i].by_hand {
                 loose_ends += 1;
             }

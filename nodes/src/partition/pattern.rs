@@ -1,8 +1,8 @@
-//! Patterns of partings: rows over the head and the boxes or triangles that rows are cut into, on any head.
+//! Patterns of partings: rows over the head, and the boxes or triangles that rows are cut into, on any head.
 //!
-//! A pattern is a net of lines and rings ([`super::net`]) with rows between neighbouring lines (or rings). Where the lines stand is
-//! measured on the head itself: rows are equally wide on the average along them, so that the outermost row is no sliver on a head
-//! with a higher or lower hairline.
+//! A pattern is a net of lines and rings ([`super::net`]) with rows between adjacent lines (or rings). The positions of
+//! the lines are measured on the head itself: all rows have the same mean width, so that the outermost row is not a
+//! sliver on a head with a higher or lower hairline.
 
 use super::net::{Net, wrapped};
 use crate::data::chart::{CELLS, Chart, middle};
@@ -12,18 +12,18 @@ use crate::maths::transcendental::{atan2, exp, ln, sin_cos, tan};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// How rows run.
+/// Layout of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rows {
     /// From the forehead to the nape.
     Back,
-    /// On both sides of a middle parting, round the head to the nape.
+    /// On both sides of a middle parting, around the head to the nape.
     Curved,
     /// From ear to ear.
     Across,
     /// From the hairline to a point.
     Gathered,
-    /// Round the head, as far from the hairline everywhere.
+    /// Around the head, at a constant distance from the hairline.
     Rings,
 }
 
@@ -35,7 +35,7 @@ pub(crate) enum Cut {
     Triangles,
 }
 
-/// What is asked of a pattern. Lengths in cm.
+/// Settings of a pattern. Lengths in cm.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wish {
     pub(crate) rows: Rows,
@@ -44,11 +44,11 @@ pub(crate) struct Wish {
     /// Length of a box or triangle along its row.
     pub(crate) cell: f32,
     pub(crate) brick: bool,
-    /// How far the lines are turned or swept, radians.
+    /// Rotation or sweep of the lines, radians.
     pub(crate) turn: f32,
-    /// Where rows gather or what rings lie about, as a direction of the head frame.
+    /// Where rows gather or what rings surround, as a direction in the head frame.
     pub(crate) centre: Vec3,
-    /// Radius of the piece about the point where rows gather.
+    /// Radius of the section that rows gather at.
     pub(crate) gather: f32,
     pub(crate) mirror: bool,
     pub(crate) tag: u64,
@@ -60,19 +60,19 @@ pub(crate) struct Flat {
     pub(crate) id: u64,
     pub(crate) points: Vec<Vec2>,
     pub(crate) closed: bool,
-    /// Whether its first and its last point are where it meets others that end there: they stay.
+    /// Whether its first and its last point meet other lines that end there: such points stay.
     pub(crate) tied: [bool; 2],
-    /// Whether it parts rows (else it cuts one).
+    /// Whether it separates rows (otherwise it cuts one).
     pub(crate) row: bool,
-    /// Whether a hand drew it.
+    /// Whether it was drawn by hand.
     pub(crate) by_hand: bool,
 }
 
-/// What a pattern draws.
+/// The lines of a pattern.
 #[derive(Debug, Default)]
 pub(crate) struct Drawn {
     pub(crate) lines: Vec<Flat>,
-    /// The middle line of each row, from its hairline or front end.
+    /// The centre line of each row, from its hairline or front end.
     pub(crate) middles: Vec<Vec<Vec2>>,
 }
 
@@ -81,21 +81,21 @@ struct Family<'a> {
     chart: &'a Chart,
     frame: &'a HeadFrame,
     net: Net,
-    /// Rings: distance (radians) of the hairline from the first pole in each direction; lines: nothing.
+    /// Rings: distance (radians) of the hairline from the first pole in each direction; empty for lines.
     edge: Vec<f32>,
-    /// Which cells belong to the part.
+    /// Cells that belong to the part.
     part: &'a [bool],
-    /// Mirrored on the midline, so that lines are laid out alike on both sides.
+    /// Mirrored on the midline, so that both sides have the same lines.
     mirror: bool,
 }
 
-/// Bins in which the levels' widths are measured.
+/// Bins for measuring the widths of levels.
 const BINS: usize = 720;
-/// A line shorter than this share of the longest is none.
+/// A line shorter than this fraction of the longest is dropped.
 const SHORT: f32 = 0.3;
-/// A piece of line shorter than this is left out, cm.
+/// A piece of line shorter than this is dropped, cm.
 const STUB: f32 = 1.0;
-/// Rings: radius of the innermost piece, in rows.
+/// Rings: radius of the innermost section, in rows.
 const CAP: f32 = 0.55;
 
 impl Family<'_> {
@@ -108,7 +108,7 @@ impl Family<'_> {
         let (i, t) = (x as usize % n, x - (x as usize) as f32);
         self.edge[i] + (self.edge[(i + 1) % n] - self.edge[i]) * t
     }
-    /// Level and place along it.
+    /// Level of a direction, and its position along the level.
     fn place(&self, d: Vec3) -> (f32, f32) {
         let (line, ring) = self.net.place(d);
         if self.is_rings() {
@@ -129,17 +129,17 @@ impl Family<'_> {
         let d = self.frame.vector_from_head(self.direction(level, along));
         self.chart.flat(self.frame.origin + d)
     }
-    /// From where to where levels run.
+    /// Range of levels.
     fn levels(&self) -> (f32, f32) {
         if self.is_rings() { (0.0, 1.3) } else { (-PI, PI) }
     }
 
-    /// The mean width of rows over the levels: for each bin's end the sum of widths up to it, cm.
+    /// The mean width of rows over the levels: for each bin's end, the sum of widths up to it, cm.
     fn widths(&self) -> Vec<f32> {
         let spots = self.chart.spots();
         let (low, high) = self.levels();
         let bin = (high - low) / BINS as f32;
-        // Area, and area times slope, of each bin: their quotient is the width that a bin has on the average along its line.
+        // Area, and area times slope, of each bin: their quotient is the bin's mean width along its line.
         let mut sums = vec![(0.0f64, 0.0f64); BINS];
         let level = |cell: usize| {
             let d = self.frame.head_from_vector(self.chart.direction(middle(cell)));
@@ -191,11 +191,11 @@ impl Family<'_> {
             .collect()
     }
 
-    /// The level up to which rows take a share of all width.
+    /// The level up to which rows take a given fraction of the total width.
     fn level_at(&self, widths: &[f32], share: f32) -> f32 {
         let (low, high) = self.levels();
         let wanted = share * widths[BINS - 1];
-        // Where nothing is at the ends, the end nearer to what there is counts.
+        // If the ends are empty, the end nearer to the content counts.
         let at = widths.partition_point(|w| if share < 0.5 { *w <= wanted } else { *w < wanted });
         let at = at.min(BINS - 1);
         let before = if at > 0 { widths[at - 1] } else { 0.0 };
@@ -203,7 +203,8 @@ impl Family<'_> {
         low + (at as f32 + part.clamp(0.0, 1.0)) / BINS as f32 * (high - low)
     }
 
-    /// The runs of a level over the part, each with its places along the level. A run that comes back to itself is closed.
+    /// The runs of a level inside the part, each with its positions along the level. A run that returns to itself is
+    /// closed.
     fn runs(&self, level: f32) -> Vec<(Vec<(Vec2, f32)>, bool)> {
         const STEPS: usize = 720;
         let (low, high) = if self.is_rings() { (-PI, PI) } else { (-6.0, 6.0) };
@@ -225,13 +226,13 @@ impl Family<'_> {
                 continue;
             }
             let end = (k..=STEPS).find(|j| !all[*j].2).unwrap_or(STEPS + 1);
-            // One more on both ends, beyond the edge.
+            // One more at both ends, past the edge.
             let (from, to) = (k.saturating_sub(1), end.min(STEPS));
             runs.push(all[from..=to].iter().map(|(q, along, _)| (*q, *along)).collect());
             k = end + 1;
         }
         if self.is_rings() && runs.len() > 1 && all[0].2 && all[STEPS].2 {
-            // The ring's own seam is no end.
+            // The ring's own seam is not an end.
             let mut last = runs.pop().unwrap_or_default();
             last.extend(runs.remove(0).into_iter().skip(1).map(|(q, a)| (q, a + TAU)));
             runs.push(last);
@@ -258,7 +259,7 @@ impl Family<'_> {
         }
     }
 
-    /// Draws what is between two levels: the middle of the row there, or its cuts.
+    /// Draws what is between two levels: the centre line of the row there, or its cuts.
     fn row(
         &self,
         wish: &Wish,
@@ -273,14 +274,14 @@ impl Family<'_> {
             out.middles.extend(longest.map(|(run, _)| run.into_iter().map(|r| r.0).collect()));
             return;
         }
-        // An ear may stand in a row's way: what lies on its two sides is cut by itself.
+        // An ear may interrupt a row: each side of it is cut separately.
         for (piece, (run, closed)) in (0..).zip(runs) {
             let number = (number, of, piece);
             self.cuts(wish, number, [low, high], (&run, closed), out);
         }
     }
 
-    /// Cuts a row along one run of its middle level into boxes or triangles.
+    /// Cuts a row along one run of its centre level into boxes or triangles.
     fn cuts(
         &self,
         wish: &Wish,
@@ -297,7 +298,7 @@ impl Family<'_> {
             let t = if b > a { ((s - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
             run[at - 1].1 + (run[at].1 - run[at - 1].1) * t
         };
-        // In a brick pattern every other row has a cut in its middle, and those between a box.
+        // In a brick pattern, every other row has a cut in its middle, and the rows between have a box there.
         let odd = number % 2;
         let mut n = (length / wish.cell).round().max(1.0) as usize;
         if wish.brick && !closed && n % 2 != odd {
@@ -308,7 +309,7 @@ impl Family<'_> {
         }
         let shift = if closed && wish.brick && odd == 1 { 0.5 } else { 0.0 };
         let number = curve_id(curve_id(wish.tag, 3, number as u64), of as u64, piece);
-        // Cuts reach over their row's edges; what is over is taken off where they meet the row's line.
+        // Cuts extend past their row's edges and are trimmed where they meet the row's line.
         let over = 0.25 * (high - low);
         let mut cut = |i: usize, from: (f32, f32), to: (f32, f32)| {
             let points = (0..=24).map(|k| {
@@ -354,7 +355,7 @@ impl Family<'_> {
     }
 }
 
-/// Running length of a line on the map, cm on the scalp.
+/// Cumulative length of a line on the map, cm on the scalp.
 pub(crate) fn lengths(chart: &Chart, line: impl Iterator<Item = Vec2>) -> Vec<f32> {
     let (mut sum, mut last) = (0.0, None);
     line.map(|q| {
@@ -367,7 +368,7 @@ pub(crate) fn lengths(chart: &Chart, line: impl Iterator<Item = Vec2>) -> Vec<f3
     .collect()
 }
 
-/// The lines of a pattern on those cells of a head that are `part` of it.
+/// The lines of a pattern on the cells of a head that are in `part`.
 pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish) -> Drawn {
     let mut out = Drawn::default();
     let family = |net: Net, part| Family {
@@ -385,7 +386,7 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
             let net = if wish.rows == Rows::Back {
                 Net::new(turned(FRONT), turned(BEHIND), Vec3::Y, turned(Vec3::X))
             } else {
-                // From the head's left below the ear to its right; the first row is that of the forehead.
+                // From below the ear on the head's left to its right; the first row is that of the forehead.
                 let (left, right) = (UNDER_EAR, UNDER_EAR * Vec3::new(-1.0, 1.0, 1.0));
                 Net::new(turned(left), turned(right), Vec3::Y, turned(Vec3::NEG_Z))
             };
@@ -408,7 +409,7 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
                 let own = Family { chart, frame, net, edge: vec![], part: &own, mirror: false };
                 rows(&own, wish, count.div_ceil(2), half, &mut out);
             }
-            // The middle parting stands in both halves' way and ends their rows.
+            // The middle parting bounds both halves and ends their rows.
             let net = Net::new(FRONT, BEHIND, Vec3::Y, Vec3::X);
             family(net, part).put(wish, 999, 0.0, &mut out);
         }
@@ -416,11 +417,11 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
             let net = Net::new(wish.centre, -wish.centre, Vec3::Z, Vec3::X);
             let family = family(net, part);
             let widths = family.widths();
-            // Lines or rows in the middle of the forehead, as the number is even or odd, so that both sides are alike.
+            // Lines or rows in the middle of the forehead, for even or odd numbers, so that both sides are alike.
             let first = if count.is_multiple_of(2) { 0.0 } else { 0.5 };
             let level = |k: f32| {
                 let share = (k + first) / count as f32;
-                // Shares run from the nape round; half a turn on is the forehead.
+                // Fractions run around from the nape; half a turn further is the forehead.
                 family.level_at(&widths, (share + 0.5).fract())
             };
             for k in 0..count {
@@ -462,7 +463,7 @@ fn rows(family: &Family, wish: &Wish, count: usize, half: usize, out: &mut Drawn
     }
     for k in 0..count {
         let [a, m, b] = [0.0, 0.5, 1.0].map(|x| level(k as f32 + x));
-        // The outermost rows reach as far as hair grows.
+        // The outermost rows extend as far as hair grows.
         let beyond = 2.0 * (b - a);
         let low = if k == 0 { a - beyond } else { a };
         let high = if k + 1 == count { b + beyond } else { b };
@@ -470,12 +471,12 @@ fn rows(family: &Family, wish: &Wish, count: usize, half: usize, out: &mut Drawn
     }
 }
 
-/// Where rows of braids that run back seem to come from and to go to: below the hairline's front and under the nape.
+/// Poles of rows that run back: below the hairline's front, and below the nape.
 const FRONT: Vec3 = Vec3::new(0.0, -0.35, 0.94);
 const BEHIND: Vec3 = Vec3::new(0.0, -0.96, 0.28);
-/// Where rows from ear to ear seem to come from.
+/// Pole of rows from ear to ear.
 const UNDER_EAR: Vec3 = Vec3::new(0.62, -0.75, 0.22);
-/// How far curved rows are swept when nobody says so, radians.
+/// Default sweep of curved rows, radians.
 const SWEEP: f32 = 0.3;
 
 fn about_up(d: Vec3, angle: f32) -> Vec3 {
@@ -483,7 +484,7 @@ fn about_up(d: Vec3, angle: f32) -> Vec3 {
     Vec3::new(d.x * cos + d.z * sin, d.y, d.z * cos - d.x * sin)
 }
 
-/// How far the hairline is from a net's first pole, radians, all round and smoothed.
+/// Distance of the hairline from a net's first pole, radians, in all directions, smoothed.
 fn hairline(family: &Family) -> Vec<f32> {
     const AROUND: usize = 180;
     let raw: Vec<f32> = (0..AROUND)
@@ -515,7 +516,7 @@ fn hairline(family: &Family) -> Vec<f32> {
     edge
 }
 
-/// Ends the rows of a gathered pattern at the ring about its middle, and draws that.
+/// Ends the rows of a gathered pattern at the ring around its centre, and draws the ring.
 fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
     let angle = (wish.gather / family.frame.radius).clamp(0.02, 1.5);
     let ring = ln(tan(0.5 * angle));
@@ -524,13 +525,13 @@ fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
         family.place(d).1 > ring
     };
     for line in out.lines.iter_mut().filter(|l| l.row) {
-        // One point within the ring stays, so that the line reaches it.
+        // One point inside the ring stays, so that the line reaches it.
         let first = line.points.iter().position(outside).unwrap_or(0);
         line.points.drain(..first.saturating_sub(1));
     }
     for middle in &mut out.middles {
         middle.retain(outside);
-        // From the hairline to the middle.
+        // From the hairline to the centre.
         middle.reverse();
     }
     let points = (0..=96).map(|k| family.flat(k as f32 / 96.0 * TAU, ring)).collect();

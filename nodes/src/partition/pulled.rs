@@ -1,15 +1,15 @@
-//! One parting hair: where it is rooted, where it ends, and its way over the scalp.
+//! One hair of the edge partition: its root, its end, and its path over the scalp.
 //!
-//! The picture: a row runs along, its neighbour beside it, the parting half-way between.
+//! A row, its neighbour beside it, and the parting halfway between:
 //!
 //! ```text
-//!   neighbour  ----------------------------->
+//!   neighbour   ----------------------------->
 //!   parting    . . . . . r . . . . . . . . . .     r  root, at u, half a parting's width inside
 //!   row        ----------u-----------e-------->    e  end in the braid, pulled along from u
 //! ```
 //!
-//! In the plane of the scalp a hair is a parabola from root to end, straight or leaving the parting square; over
-//! the scalp it hugs the skin and rises to its end in the braid.
+//! In the plane of the scalp, a hair is a parabola from root to end, straight or leaving the parting perpendicularly; in
+//! height, it follows the skin and rises to its end in the braid.
 
 use super::territory::{Row, Station, neighbour};
 use crate::data::ramp::Ramp;
@@ -20,7 +20,7 @@ use crate::maths::spline::{Place, Spline};
 use crate::maths::transcendental::{sin_cos, tan};
 use glam::Vec3;
 
-/// What all hairs of a run share. Lengths in cm, angles in radians.
+/// Settings shared by all hairs of a run. Lengths in cm, angles in radians.
 pub(crate) struct Rules<'a> {
     pub(crate) scalp: &'a Scalp,
     pub(crate) skin: Skin<'a>,
@@ -33,11 +33,11 @@ pub(crate) struct Rules<'a> {
     pub(crate) group_radius: f32,
     pub(crate) tightness: &'a Ramp,
     pub(crate) cvs: usize,
-    /// The least height of a hair over the skin, but for its root.
+    /// Smallest height of a hair above the skin, except at its root.
     pub(crate) clear: f32,
 }
 
-/// A row with what its hairs must mind: other rows, and where the scalp is parted, the section that they share.
+/// A row and what limits its hairs: other rows and, on a parted scalp, their common section.
 pub(crate) struct Ground<'a> {
     pub(crate) scalp: &'a Scalp,
     pub(crate) own: &'a Row,
@@ -54,7 +54,7 @@ pub(crate) struct Home<'a> {
 }
 
 impl Home<'_> {
-    /// How far within the section and off the bare skin of its partings a point is, cm; negative elsewhere.
+    /// Distance of a point inside the section and off the bare skin of its partings, cm; negative elsewhere.
     fn slack(&self, p: Vec3) -> f32 {
         match self.sections.at(p) {
             Some(place) if place.section == self.number => place.distance - place.bare,
@@ -63,22 +63,22 @@ impl Home<'_> {
     }
 }
 
-/// What one hair asks for.
+/// Settings of one hair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wish {
-    /// Fraction of the row beside which it is rooted; below 0 is ahead of the row.
+    /// Fraction of the row beside which it is rooted; below 0 is in front of the row.
     pub(crate) u: f32,
     pub(crate) side: i32,
-    /// 0 at the row, 0.5 half-way, 1 at the neighbour.
+    /// 0 at the row, 0.5 halfway, 1 at the neighbour.
     pub(crate) mediate: f32,
-    /// Radians off the square, towards the row's tip.
+    /// Angle from the perpendicular toward the row's tip, radians.
     pub(crate) pull: f32,
     pub(crate) lift: f32,
-    /// How far round the braid it ends: 0 at its side, a quarter turn on top, radians.
+    /// Angle around the braid at which it ends: 0 at its side, a quarter turn on top, radians.
     pub(crate) round: f32,
 }
 
-/// Where a hair begins and would end by itself.
+/// Where a hair begins and would end by default.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
     pub(crate) root: Root,
@@ -91,7 +91,7 @@ impl Ground<'_> {
     fn beside(&self, side: i32) -> &[&Row] {
         if side < 0 { &self.left } else { &self.right }
     }
-    /// How much nearer `p` is to its own row than to any other.
+    /// How much closer `p` is to its own row than to any other.
     pub(crate) fn ahead(&self, p: Vec3) -> f32 {
         let mut other = f32::MAX.sqrt();
         for row in self.left.iter().chain(&self.right) {
@@ -99,12 +99,12 @@ impl Ground<'_> {
         }
         other - self.to_own(p)
     }
-    /// How far `p` is within its own ground; twice that (or less) it may move without leaving it.
+    /// Twice the distance of `p` from the border of its territory, or less: it may move by half of that without leaving.
     fn margin(&self, p: Vec3) -> f32 {
         let section = self.home.as_ref().map_or(f32::MAX, |home| 2.0 * home.slack(p).max(0.0));
         section.min(self.ahead(p))
     }
-    /// Whether `p` is in its own section, and nearer to its own row than to any other by `slack`.
+    /// Whether `p` is in its own section, and closer to its own row than to any other by `slack`.
     fn is_home(&self, p: Vec3, slack: f32) -> bool {
         if self.home.as_ref().is_some_and(|home| home.slack(p) < 0.0) {
             return false;
@@ -118,33 +118,33 @@ impl Ground<'_> {
     }
 }
 
-/// What lies beside a place of a row, on one side.
+/// What lies beside a position of a row, on one side.
 #[derive(Clone, Copy)]
 struct Beside {
-    /// To the neighbour, or where it would be.
+    /// Vector to the neighbour, or to where one would be.
     to: Vec3,
-    /// Whether somebody is met there.
+    /// Whether there is a neighbour.
     shared: bool,
-    /// Number of who is met.
+    /// Index of the neighbour.
     who: usize,
-    /// The scalp's normal under the row.
+    /// Scalp normal under the row.
     normal: Vec3,
-    /// The farthest part of the way at which hair may be rooted.
+    /// Largest fraction of the way at which hair may be rooted.
     most: f32,
 }
 
-/// What lies beside a row, at even distances along it, so that a hair has only to look it up.
+/// What lies beside a row, sampled evenly along it for lookup by the hairs.
 pub(crate) struct Reach {
     from: f32,
     per_u: f32,
     sides: [Vec<Option<Beside>>; 2],
 }
 
-/// Distance between the places at which a row's sides are looked at, cm.
+/// Spacing of these samples, cm.
 const LOOK: f32 = 0.2;
 
 impl Reach {
-    /// Looks at a row from `lead` (a fraction of its length) before its root to its end.
+    /// Samples a row from `lead` (a fraction of its length) in front of its root to its end.
     pub(crate) fn new(rules: &Rules, ground: &Ground, lead: f32) -> Self {
         let n = (ground.own.length() * (1.0 + lead) / LOOK).ceil().clamp(4.0, 1000.0);
         let look = |side: i32| {
@@ -153,7 +153,7 @@ impl Reach {
         };
         Self { from: -lead, per_u: n / (1.0 + lead), sides: [look(-1), look(1)] }
     }
-    /// What lies beside the row at `u`, where the places about it agree.
+    /// What lies beside the row at `u`, if the surrounding samples agree.
     fn at(&self, u: f32, side: i32) -> Option<Beside> {
         let list = &self.sides[usize::from(side > 0)];
         let x = (u - self.from) * self.per_u;
@@ -167,7 +167,7 @@ impl Reach {
             ..a
         })
     }
-    /// Whether there is no ground on a side near `u`.
+    /// Whether there is no territory on a side near `u`.
     fn is_bare(&self, u: f32, side: i32) -> bool {
         let list = &self.sides[usize::from(side > 0)];
         let i = (((u - self.from) * self.per_u) as usize).min(list.len() - 2);
@@ -175,7 +175,7 @@ impl Reach {
     }
 }
 
-/// Looks to one side of a row at `u`; none where there is no ground, or none of it is the row's own.
+/// What lies on one side of a row at `u`; `None` if there is no territory, or none that is the row's own.
 fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     let station = Station::new(ground.own, rules.scalp, u);
     let way = station.side(side);
@@ -183,7 +183,7 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     let met = neighbour(&station, side, rows, rules.reach);
     let met = met.map(|(who, q)| (q - station.point, true, who));
     let (to, shared, who) = if let Some(home) = &ground.home {
-        // The border of the section stands where the parting half-way to a neighbour would.
+        // The border of the section takes the place of the parting halfway to a neighbour.
         let inside = |d: &f32| {
             let root = rules.scalp.closest_root(station.point + way * *d);
             root.is_some_and(|root| {
@@ -214,14 +214,14 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     Some(found)
 }
 
-/// Number of the border of a section where it is met sooner than a row.
+/// Index that stands for the border of a section, if it is closer than a row.
 const BORDER: usize = usize::MAX;
 
 fn grows(scalp: &Scalp, root: &Root) -> f32 {
     scalp.grows(root.triangle, root.bary)
 }
 
-/// The root a part of the way to what lies beside, and how much room it has left.
+/// The root at a fraction of the way to what lies beside, and its remaining slack.
 fn place(
     rules: &Rules,
     ground: &Ground,
@@ -237,14 +237,14 @@ fn place(
     } else if beside.shared {
         ground.ahead(root.point) - rules.parting
     } else {
-        // Nobody is met on this side: the ground ends where the parting would be.
+        // No neighbour on this side: the territory ends where the parting would be.
         let edge = (0.5 - t) * 2.0 * rules.open_side - 0.5 * rules.parting;
         edge.min(ground.ahead(root.point) - rules.parting)
     };
     Some((root, slack.min(if grows(rules.scalp, &root) >= 0.5 { f32::MAX } else { -1.0 })))
 }
 
-/// Where a hair is rooted; none where there is no ground on that side, or none of it is the row's own.
+/// The root of a hair; `None` if there is no territory on that side, or none that is the row's own.
 pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) -> Option<Start> {
     let (station, root) = match reach.at(wish.u, wish.side) {
         Some(found) => {
@@ -254,7 +254,7 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
             if slack >= 0.0 {
                 (station, root)
             } else {
-                // Between two places the edge bends a little: a look from near it.
+                // The edge bends slightly between two samples: one more query from nearby.
                 let at = |t: f32| place(rules, ground, &station, &found, t);
                 (station, farthest(at, t, slack)?.0)
             }
@@ -273,8 +273,8 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
     Some(Start { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
 }
 
-/// The farthest root with slack and how far on the way it is, up to `most` (which has `lack` of it); none when the row itself has
-/// none.
+/// The farthest root with slack, and its fraction of the way, up to `most` (where the slack is `lack`); `None` if the
+/// row itself has none.
 fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Option<(Root, f32)> {
     let (mut low, mut high) = (0.0, most);
     let (mut found, mut slack) = at(0.0)?;
@@ -283,8 +283,8 @@ fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Op
         return None;
     }
     for round in 0..12 {
-        // Between two rows the slack falls nearly evenly, so the straight guess is good; halving every other time
-        // makes it safe at the edge of the hair, where the slack jumps.
+        // Between two rows the slack falls nearly linearly, so interpolation is a good guess; bisection every other
+        // time keeps it safe at the edge of the hair, where the slack jumps.
         let part = if round % 2 == 0 { slack / (slack - lack) } else { 0.5 };
         let t = low + (high - low) * part.clamp(0.02, 0.98);
         match at(t) {
@@ -298,7 +298,7 @@ fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Op
     Some((found, low))
 }
 
-/// A root this near to where it may not be (cm) is near enough.
+/// Tolerance of the position of such a root, cm.
 const NEAR_ENOUGH: f32 = 0.002;
 
 /// Where hairs end in the braid.
@@ -311,7 +311,7 @@ pub(crate) struct End {
     radius: f32,
 }
 
-/// The place in the braid, at fraction `u` of the row, `round` it, where hairs from `start` end; `radius` is the
+/// The point in the braid, at fraction `u` of the row and angle `round`, where hairs from `start` end; `radius` is the
 /// braid's there.
 pub(crate) fn end(
     rules: &Rules,
@@ -324,7 +324,7 @@ pub(crate) fn end(
     let station = Station::new(row, rules.scalp, u);
     let (sin, cos) = sin_cos(round);
     let out = station.side(side) * cos + station.normal * sin;
-    // A root nearer than the braid's side still leaves room for a hair.
+    // A root closer than the braid's side still leaves room for a hair.
     let off = (radius - rules.tuck).max(0.0).min(0.6 * start.point.distance(station.point));
     let point = station.point + out * off;
     let point = rules.skin.lift(point, rules.clear).0;
@@ -332,7 +332,7 @@ pub(crate) fn end(
 }
 
 impl End {
-    /// A point of the group about this end: `spread` holds three numbers within [-1, 1].
+    /// A point of the group around this end; `spread` holds three numbers in [-1, 1].
     pub(crate) fn within(&self, rules: &Rules, spread: Vec3) -> Vec3 {
         let ball = spread / spread.length().max(1.0) * rules.group_radius;
         let across = self.along.cross(self.out);
@@ -345,14 +345,14 @@ impl End {
     }
 }
 
-/// The middle hair of a group.
+/// The centre hair of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Middle {
     root: Vec3,
     pub(crate) end: End,
 }
 
-/// The hair without chance that ends at the fraction `wish.u` of the row; `radius` is the braid's there.
+/// The hair without randomness that ends at the fraction `wish.u` of the row; `radius` is the braid's there.
 pub(crate) fn middle(
     rules: &Rules,
     ground: &Ground,
@@ -367,8 +367,8 @@ pub(crate) fn middle(
     Some(Middle { root: root.point, end })
 }
 
-/// The points of a hair, root first, `rules.cvs` of them, into `points`; the end comes with the row's direction
-/// there. False when root and end are one.
+/// Writes the `rules.cvs` points of a hair, root first, into `points`; the end comes with the row's direction there.
+/// False if root and end coincide.
 pub(crate) fn way(
     rules: &Rules,
     ground: &Ground,
@@ -390,17 +390,17 @@ pub(crate) fn way(
     let surface = rules.scalp.surface();
     let mut feeler = Feeler { surface, near: root.triangle };
     let end_height = feeler.height(end);
-    // On a bumpy scalp the smooth normal does not quite point at the end.
+    // On a bumpy scalp the smooth normal does not point exactly at the end.
     let aside = end - feeler.laid(end, end_height).0;
     feeler.near = root.triangle;
-    // While the last point known to be at home is this far off, the next cannot have left it.
+    // While the last verified point is farther inside than this, the next one cannot have left.
     let (mut known, mut sure) = (root.point, 0.0f32);
     let fine = rules.cvs + 2;
-    // The middle hair is met where it is as far from the end, so that a hair rooted nearer to the braid does not first
-    // run back to the middle hair's root.
+    // The centre hair is joined at an equal distance from the end, so that a hair rooted closer to the braid does not
+    // first run back to the centre hair's root.
     let part =
         group.map_or(1.0, |g| root.point.distance(end) / g.root.distance(g.end.point).max(1e-3));
-    // A hair that comes to the end from the other way would overshoot it: it runs by itself.
+    // A hair that approaches the end from the other direction would overshoot it, so it runs separately.
     let same_way = group.map_or(0.0, |g| {
         let (own, middle) = (end - root.point, g.end.point - g.root);
         own.normalize_or_zero().dot(middle.normalize_or_zero()).max(0.0)
@@ -412,7 +412,7 @@ pub(crate) fn way(
         if let Some(group) = group {
             let pulled = rules.tightness.at(s).clamp(0.0, 1.0) * (5.0 * s).min(1.0) * same_way;
             let met = (1.0 - (1.0 - s) * part).max(0.0);
-            // Hairs of a group end beside each other, so they run beside the middle one.
+            // Hairs of a group end beside each other, so they run beside the centre hair.
             let beside = (end - group.end.point) * s;
             p = p.lerp(bow(group.root, group.end.point, met) + beside, pulled);
         }
@@ -439,19 +439,20 @@ pub(crate) fn way(
             break;
         }
     }
-    // In folds that no few rounds lead out of, and on ridges between two looks, points at least are out of the skin.
+    // In folds that a few rounds do not resolve, and on ridges between two samples, at least the points are out of the
+    // skin.
     let inner = &mut points[1..rules.cvs - 1];
     inner.iter_mut().for_each(|p| *p = rules.skin.push_out(*p, 0.0).0);
-    // A border may jut out between two points that are at home.
+    // A border may protrude between two points that are inside.
     let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
     rules.crossing || ground.home.as_ref().is_none_or(stays)
 }
 
-/// A point is known to be at home within half of this (cm) of one that is: over the scalp and past an ear, distances change faster
-/// than straight ones.
+/// A point within half of this (cm) of one that is inside is inside as well: over the scalp and past an ear, distances
+/// change faster than straight ones.
 const SURE: f32 = 0.5;
 
-/// Looks for the scalp under point after point, each near the last.
+/// Queries the scalp below a sequence of nearby points.
 struct Feeler<'a> {
     surface: &'a Surface,
     near: u32,
@@ -463,7 +464,7 @@ impl Feeler<'_> {
         self.near = hit.triangle;
         Some(hit)
     }
-    /// Height of a point over the skin, cm.
+    /// Height of a point above the skin, cm.
     fn height(&mut self, p: Vec3) -> f32 {
         self.hit(p).map_or(0.0, |hit| self.surface.signed_distance(p, &hit))
     }
@@ -479,7 +480,7 @@ impl Feeler<'_> {
     }
 }
 
-/// `p`, or a point towards the own row that is at least `slack` nearer to it than to any other.
+/// `p`, or a point toward its own row that is at least `slack` closer to it than to any other.
 fn kept_at_home(ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
     if ground.is_home(p, slack) {
         return p;
@@ -493,7 +494,7 @@ fn kept_at_home(ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
     p.lerp(home, back)
 }
 
-/// Lifts points where the curve between them is under the skin; whether any was.
+/// Lifts points where the curve between them is below the skin; returns whether any was lifted.
 fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3], near: u32) -> bool {
     let mut feeler = Feeler { surface: rules.scalp.surface(), near };
     let n = points.len();
@@ -502,7 +503,7 @@ fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3], near: u32) ->
     }
     let mut any = false;
     for span in 0..n - 1 {
-        // The root stays, so its span is moved by its other end alone, and needs a look close to the root.
+        // The root stays, so its span moves only with its other end, and is sampled close to the root.
         let at: &[f32] = if span == 0 { &[0.08, 0.2, 0.5] } else { &[0.33, 0.67] };
         for &t in at {
             let p = spline.point(Place { span, t });

@@ -1,7 +1,7 @@
-//! Tests: whatever grows on a parted scalp keeps off its partings.
+//! Tests: everything that grows on a parted scalp keeps off its partings.
 //!
-//! Laid guides, what is filled about them and between them, and puffs: none is rooted in a parting, and none leads over one
-//! near its root; nor is any moved into the head for it. Nodes of partition and braid have tests of their own.
+//! Laid guides, the hair filled around and between them, and puffs: no hair is rooted in a parting or crosses one near
+//! its root, and none is moved into the head to achieve that. Nodes of partition and braid have their own tests.
 
 use crate::data::curves::Curves;
 use crate::data::scalp::Scalp;
@@ -42,7 +42,7 @@ fn check(what: &str, scalp: &Scalp, hair: &Curves, least: usize) {
         let points = tuft.curve(i);
         rooted += usize::from(!scalp.free(points[0]));
         under += points[1..].iter().filter(|p| skin.distance(**p) < -1e-3).count();
-        // What has left the skin may pass over.
+        // Hair that has left the skin may pass over.
         let near = points.len().min(8);
         over += usize::from(sections.is_over_line(&points[..near]));
     }
@@ -62,7 +62,7 @@ fn guides_fills_and_puffs_keep_off_partings() {
         };
         let laid = guides(&[("length", Value::Float(4.0))]);
         check(&format!("laid guides on {cells}"), &scalp, &laid, 1000);
-        // Seeds with a guide whose curve leads wider round a corner of its box than its steps.
+        // Seeds with a guide that swings wider around a corner of its box than its steps did.
         for seed in [8, 12] {
             let laid = guides(&[("length", Value::Float(4.0)), ("seed", Value::Int(seed))]);
             check(&format!("laid guides on {cells}, seed {seed}"), &scalp, &laid, 1000);
@@ -80,7 +80,7 @@ fn guides_fills_and_puffs_keep_off_partings() {
         let clusters = [on(), ("curves", upright.into()), ("strands", Value::Int(60))];
         let hair = curves("cluster_to_strands", &clusters);
         check(&format!("clusters on {cells}"), &scalp, &hair, 5000);
-        // The puff's own place is on a parting.
+        // The puff's own position is on a parting.
         let puff = curves("sphere_puff", &[on(), ("count", Value::Int(2000))]);
         check(&format!("a puff on {cells}"), &scalp, &puff, 1900);
         let placed = [on(), ("placements", middles.into()), ("count", Value::Int(100))];
@@ -92,7 +92,7 @@ fn guides_fills_and_puffs_keep_off_partings() {
 #[test]
 fn hair_combed_to_a_tie_on_a_parting_stays_on_its_side_and_what_comes_from_farther_is_told() {
     let head = node("head", "scalp", &[]);
-    // Two sections, and a tie on the line between them; six, of which the tie stands over two.
+    // Two sections, with a tie on the line between them; six, with the tie standing over two.
     for (count, far) in [(2, false), (6, true)] {
         let set = [
             ("scalp", head.clone()),

@@ -1,9 +1,9 @@
-//! Rows on the scalp and the ground between them: which row is nearest to a point, which one a row meets
-//! on its left and right.
+//! Rows on the scalp and their territories: which row is nearest to a point, and which rows a row meets on its left and
+//! right.
 //!
-//! Which row is nearest goes by the way over the scalp (`over.rs`) where a row was given it, else by the straight one: beside an
-//! ear, the border between two rows lies up to 1.2 cm elsewhere by the straight one.
-//! **Invariant:** a row's answers depend on that row alone, so what reads three rows changes only with these.
+//! The nearest row is found by distance over the scalp (`over.rs`) if the rows have it, otherwise by straight distance:
+//! beside an ear, the border between two rows then moves by up to 1.2 cm.
+//! **Invariant:** a row's answers depend on that row only, so what reads three rows changes only with these.
 
 use super::over::Over;
 use crate::data::scalp::Scalp;
@@ -13,26 +13,26 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// A row: a curve, and a line of straight pieces that stands for it in searches.
+/// A row: a curve, and a polyline that represents it in searches.
 pub(crate) struct Row {
     /// The curve's id.
     pub(crate) id: u64,
     pub(crate) spline: Spline,
     points: Vec<Vec3>,
-    /// Box of each [`RUN`] pieces, so that a search opens few of them.
+    /// Bounding box of each [`RUN`] segments, so that a search visits few of them.
     boxes: Vec<(Vec3, Vec3)>,
-    /// Box of all of it.
+    /// Bounding box of the whole row.
     whole: (Vec3, Vec3),
-    /// Ways over the scalp; none: straight ones.
+    /// Distances over the scalp; `None`: straight distances.
     over: Option<Arc<Over>>,
 }
 
-/// Distance between the points of the line, cm; half of its sagitta on the tightest row (radius 1 cm) is the
-/// error of a distance: 0.003 cm.
+/// Spacing of the polyline's points, cm. Half its sagitta on the tightest row (radius 1 cm) is the error of a distance:
+/// 0.003 cm.
 const STEP: f32 = 0.15;
-/// The most points of the line.
+/// The most points of the polyline.
 const MOST: f32 = 1024.0;
-/// Pieces in a box.
+/// Segments per box.
 const RUN: usize = 8;
 
 impl Row {
@@ -55,25 +55,25 @@ impl Row {
     pub(crate) fn length(&self) -> f32 {
         self.spline.length()
     }
-    /// The ways from this row over the scalp, as far as `reach` cm; none where it does not lie on the scalp.
+    /// Distances from this row over the scalp, up to `reach` cm; `None` if it does not lie on the scalp.
     pub(crate) fn ways_over(&self, scalp: &Scalp, reach: f32) -> Option<Arc<Over>> {
         Over::new(&self.points, scalp, reach).map(Arc::new)
     }
-    /// The same row, whose distances ([`Row::far`]) go over the scalp.
+    /// The same row, with distances ([`Row::far`]) over the scalp.
     pub(crate) fn going_over(self, over: Option<Arc<Over>>) -> Self {
         Self { over, ..self }
     }
-    /// How far `p`, a point of the scalp, is from the row, where its straight distance is known.
+    /// Distance of `p`, a point of the scalp, from the row, given its straight distance.
     pub(crate) fn far(&self, scalp: &Scalp, p: Vec3, straight: f32) -> f32 {
         self.over.as_ref().map_or(straight, |over| over.at(scalp.chart(), p, straight))
     }
-    /// The same where it is under `limit`, else `limit`.
+    /// The same, capped at `limit`.
     pub(crate) fn far_under(&self, scalp: &Scalp, p: Vec3, limit: f32) -> f32 {
         let straight = self.distance_under(p, limit);
         if straight < limit { self.far(scalp, p, straight).min(limit) } else { limit }
     }
-    /// Calls `see` with the nearest point of every piece, its squared distance and the piece's fraction, of the runs
-    /// whose box is nearer than the squared distance that `see` last gave; it starts with `limit`.
+    /// Calls `see` with the closest point of every segment, its squared distance and fraction, for runs whose box is
+    /// closer than the squared distance that `see` returned last; starts with `limit`.
     fn search(&self, p: Vec3, limit: f32, mut see: impl FnMut(Vec3, f32, f32) -> f32) {
         let mut limit = limit;
         let far = |b: usize| beside(self.boxes[b], p);
@@ -86,7 +86,7 @@ impl Row {
             }
             limit
         };
-        // The nearest box first where nothing is known yet: it leaves little for the others.
+        // With nothing known yet, the nearest box comes first: it rules out most others.
         let mut first = usize::MAX;
         if limit > WIDE {
             let mut least = f32::MAX;
@@ -106,7 +106,7 @@ impl Row {
             }
         }
     }
-    /// The nearest point of the row, its distance, and its fraction of the row's length.
+    /// The closest point of the row, its distance, and its fraction of the row's length.
     pub(crate) fn nearest(&self, p: Vec3) -> (Vec3, f32, f32) {
         let mut best = (self.points[0], f32::MAX, 0.0);
         self.search(p, f32::MAX, |q, d, at| {
@@ -117,7 +117,7 @@ impl Row {
         });
         (best.0, best.1.sqrt(), best.2 / (self.points.len() - 1) as f32)
     }
-    /// The distance of the row from `p` where it is under `limit`, else `limit`.
+    /// The distance of the row from `p`, capped at `limit`.
     pub(crate) fn distance_under(&self, p: Vec3, limit: f32) -> f32 {
         let mut best = limit * limit;
         if beside(self.whole, p) >= best {
@@ -129,8 +129,8 @@ impl Row {
         });
         best.sqrt()
     }
-    /// The point nearest to `p` among those that lie within 60 degrees of `side`, seen in the plane of
-    /// `normal`, and its distance where it is under `limit`.
+    /// The point closest to `p` among those within 60 degrees of `side`, in the plane of `normal`, and its distance if
+    /// below `limit`.
     fn to_the_side(&self, p: Vec3, side: Vec3, normal: Vec3, limit: f32) -> Option<(Vec3, f32)> {
         let mut best = (Vec3::ZERO, limit * limit);
         self.search(p, best.1, |q, d, _| {
@@ -146,11 +146,11 @@ impl Row {
     }
 }
 
-/// The most rows whose ways over the scalp are found: half a megabyte each.
+/// The most rows with distances over the scalp: half a megabyte each.
 pub(crate) const MOST_OVER: usize = 256;
 
-/// How far (cm) ways from rows are wanted: as far as the place that is farthest from all of them is from its own, and somewhat more.
-/// `counts` says which cells of the map count; one of [`EVERY`] is asked.
+/// How far (cm) distances from rows are needed: up to the point that is farthest from all of them, and slightly more.
+/// `counts` says which cells of the map count; one in [`EVERY`] is sampled.
 pub(crate) fn farthest<'r>(
     rows: impl Iterator<Item = &'r Row> + Clone,
     scalp: &Scalp,
@@ -163,30 +163,30 @@ pub(crate) fn farthest<'r>(
     1.5 * far.fold(0.0, f32::max) + 2.0
 }
 
-/// Of so many cells of the map one is asked how far it is from all rows.
+/// One in this many cells of the map is sampled for its distance from all rows.
 const EVERY: usize = 23;
 
-/// The ways of many rows over the scalp, each found once, when it is first asked for.
+/// Distances of many rows over the scalp, each computed on first use.
 pub(crate) struct Overs<'a> {
     scalp: &'a Scalp,
-    /// Cm; none: ways are straight.
+    /// In cm; `None`: straight distances.
     reach: Option<f32>,
     made: Mutex<BTreeMap<Key, Arc<OnceLock<Option<Arc<Over>>>>>>,
 }
 
 impl<'a> Overs<'a> {
-    /// For the ways of so many rows as far as `reach` cm. A row on its own is parted from none, and of very many each is so
-    /// near to the next that its ways are straight.
+    /// For this many rows, up to `reach` cm. A single row has no neighbours, and very many rows are so close together
+    /// that straight distances suffice.
     pub(crate) fn new(scalp: &'a Scalp, rows: usize, reach: f32) -> Self {
         let reach = (2..=MOST_OVER).contains(&rows).then_some(reach);
         Self { scalp, reach, made: Mutex::default() }
     }
-    /// The row with its ways.
+    /// The row with its distances.
     pub(crate) fn give(&self, row: Row) -> Row {
         let Some(reach) = self.reach else { return row };
         let key = KeyBuilder::new("row").column(bytemuck::cast_slice::<_, f32>(&row.points));
         let cell = {
-            // Whoever panicked while holding the lock left the list whole.
+            // A panic while holding the lock left the list intact.
             let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
             made.entry(key.finish()).or_default().clone()
         };
@@ -201,7 +201,7 @@ fn beside((low, high): (Vec3, Vec3), p: Vec3) -> f32 {
     (low - p).max(p - high).max(Vec3::ZERO).length_squared()
 }
 
-/// From this squared limit on (cm2) looking for the nearest box first pays.
+/// Above this squared limit (cm2), finding the nearest box first pays off.
 const WIDE: f32 = 9.0;
 
 fn on_piece(p: Vec3, a: Vec3, b: Vec3) -> (Vec3, f32) {
@@ -210,23 +210,23 @@ fn on_piece(p: Vec3, a: Vec3, b: Vec3) -> (Vec3, f32) {
     (a + along * t, t)
 }
 
-/// A place of a row with the directions that matter there.
+/// A position on a row with its local directions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Station {
     pub(crate) point: Vec3,
     pub(crate) along: Vec3,
-    /// The scalp's normal, made square to `along`.
+    /// The scalp normal, made perpendicular to `along`.
     pub(crate) normal: Vec3,
 }
 
 impl Station {
-    /// The place at fraction `u` of the row's length; beyond its ends, straight on.
+    /// The position at fraction `u` of the row's length; past its ends, straight on.
     pub(crate) fn new(row: &Row, scalp: &Scalp, u: f32) -> Self {
         let (point, along) = Self::on_row(row, u);
         let normal = scalp.closest_root(point).map_or(Vec3::Y, |root| root.normal);
         Self { point, along, normal: square(normal, along) }
     }
-    /// The same place, where the scalp's normal is known already.
+    /// The same position, with a known scalp normal.
     pub(crate) fn with_normal(row: &Row, u: f32, normal: Vec3) -> Self {
         let (point, along) = Self::on_row(row, u);
         Self { point, along, normal: square(normal, along) }
@@ -237,7 +237,7 @@ impl Station {
         let beyond = u.min(0.0) + (u - 1.0).max(0.0);
         (row.spline.point(place) + along * (beyond * row.length()), along)
     }
-    /// To the right (1) or left (-1), seen along the row with the scalp's normal up.
+    /// Direction to the right (1) or left (-1), seen along the row with the scalp normal up.
     pub(crate) fn side(&self, side: i32) -> Vec3 {
         self.along.cross(self.normal) * side as f32
     }
@@ -248,7 +248,7 @@ fn square(normal: Vec3, along: Vec3) -> Vec3 {
         .unwrap_or_else(|| crate::maths::frame::any_normal(along))
 }
 
-/// Which of `rows` the row with this station meets first on a side, and where; none within `reach`.
+/// Which of `rows` the row with this station meets first on a side, and where; `None` within `reach`.
 pub(crate) fn neighbour<'a>(
     station: &Station,
     side: i32,

@@ -1,7 +1,7 @@
-//! Bun: hair held by a tie is wound round it.
+//! Bun: winds hair held by a tie around the tie.
 //!
-//! Guarantees: roots stay, and so does the way to the tie; no point under the skin; a hair keeps its place across the
-//! coil; the end is tucked under it. Not promised: that coils do not press into one another.
+//! Guarantees: roots stay, and so does the path to the tie; no point below the skin; a hair keeps its place across the
+//! coil; the end is tucked under it. Not promised: that turns do not press into each other.
 
 use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
 use super::tie::Tie;
@@ -16,9 +16,10 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 node! {
-    /// Winds gathered hair round its tie into a bun, its end tucked under.
+    /// Winds gathered hair around its tie into a bun, with the ends tucked under.
     ///
-    /// Wire it after Gather into tie. The length of hair that it takes follows from turns and thickness, and is remarked.
+    /// Wire it after Gather into tie. Turns and thickness determine the length of hair it takes; a message reports that
+    /// length.
     "bun", version 1, label "Bun", words "bun chignon top knot coil wound wrap updo space buns ballet";
     inputs {
         /// Hair gathered in ties.
@@ -27,39 +28,39 @@ node! {
         ties: Curves;
         /// The head that the bun sits on.
         scalp: Arc<Scalp>;
-        /// Turns round the tie.
+        /// Turns around the tie.
         turns: f32 = 1.6, hard(0.5, 8.0), soft(1.0, 4.0), words("coil wind wrap");
         /// Radius of the wound hair.
         thickness: f32 = 1.5, hard(0.1, 10.0), soft(0.5, 3.0), unit(Length), handle(Handle::Radius), words("radius girth rope");
-        /// Which way it is wound, seen from its top.
+        /// Direction of winding, seen from the top of the bun.
         hand: Hand = Hand::Left, words("direction clockwise");
 
         [Shape]
-        /// How far each turn lies outside the last, in thicknesses: 0 stacks them, 1 lays them side by side.
+        /// How far each turn lies outside the previous one, in thicknesses: 0 stacks turns, 1 lays them side by side.
         spread: f32 = 0.35, hard(0.0, 1.5), soft(0.0, 1.0), unit(Ratio), words("wide flat coil");
-        /// How far each turn lies over the last, in thicknesses; negative goes down towards the head.
+        /// How far each turn lies above the previous one, in thicknesses; negative goes down toward the head.
         rise: f32 = -0.5, hard(-1.5, 1.5), soft(-1.0, 1.0), words("tall stack");
-        /// How fast the wound hair turns about itself, in degrees a cm: 0 is smooth, 12 a rope.
+        /// Twist of the wound hair about itself, in degrees per cm: 0 is smooth, 12 a rope.
         twist: f32 = 5.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
 
         [Clumping]
-        /// Locks that the hair falls into; 0: none.
+        /// Number of locks that the hair splits into; 0: none.
         locks: i64 = 24, hard(0.0, 400.0), soft(0.0, 120.0), unit(Count), words("clumps wisps strands");
-        /// How closely hairs of a lock come together at its end.
+        /// How closely the hairs of a lock converge at its end.
         clump: f32 = 0.3, hard(0.0, 1.0), unit(Ratio), words("clumping");
 
         [Detail]
-        /// Points on each hair, root and tip included.
+        /// CVs per hair, root and tip included.
         points: i64 = 90, hard(8.0, 250.0), soft(16.0, 120.0), unit(Count), words("cvs resolution segments");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter locks and hairs may be than others, drawn for each; short ones end in the coil.
+        /// Random shortening of locks and hairs; short ones end inside the coil.
         uneven: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("length variation messy");
         /// How far locks and hairs wander from their place.
         loose: f32 = 0.08, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("frizz messy natural");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
@@ -69,11 +70,11 @@ node! {
 }
 
 choice! {
-    /// Which way a bun is wound.
+    /// Direction of winding.
     Hand {
-        /// Counter-clockwise seen from its top.
+        /// Counterclockwise seen from the top.
         Left = "left",
-        /// Clockwise seen from its top.
+        /// Clockwise seen from the top.
         Right = "right",
     }
 }
@@ -86,7 +87,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         ties.into_iter().map(|tie| (tie, wind(&inputs, unit, &tie))).collect();
     let length_of = |points: &[Vec3]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
     let length = wound.iter().map(|(_, points)| length_of(points)).fold(0.0, f32::max);
-    // The profile is in radii of the tie; ties of one node are of one size.
+    // The profile is in radii of the tie; all ties of a node have one size.
     let ratio = wound.first().map_or(1.0, |(tie, _)| inputs.thickness * unit / tie.radius);
     let stops = vec![(0.0, 1.0), (0.18, ratio), (0.85, ratio), (1.0, 0.3 * ratio)];
     let profile = Ramp::new(Blend::Smooth, stops).unwrap_or_else(|_| Ramp::constant(ratio));
@@ -111,7 +112,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: bundle.go_on(cx, &inputs.curves)? })
 }
 
-/// The middle of the wound hair: out of the tie, over to its side and round it, the end under what was wound before.
+/// Centre line of the wound hair: out of the tie, over to its side and around it, with the end under earlier turns.
 fn wind(inputs: &Inputs, unit: f32, tie: &Tie) -> Vec<Vec3> {
     let thick = inputs.thickness * unit;
     let hand = if inputs.hand == Hand::Left { 1.0 } else { -1.0 };

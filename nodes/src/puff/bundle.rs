@@ -1,11 +1,11 @@
-//! Hair that goes on past its tie as one bundle: tails and buns.
+//! Hair continued past its tie as one bundle: tails and buns.
 //!
-//! A bundle runs along a course, a centre line with frames. Every hair keeps its place across the course, in radii of the
-//! bundle; locks draw their hairs together towards their tips and move a little by themselves.
+//! A bundle runs along a course, a centre line with frames. Every hair keeps its place across the course, in radii of
+//! the bundle; locks draw their hairs together toward the tips and move slightly on their own.
 //!
-//! Guarantees: hair keeps its root and its way to the tie, to less than a millimetre where it bends, and all it has;
-//! no point under the skin; nothing depends on how many
-//! hairs there are. Not promised: even points where hair on the inside of a narrow arch turns about itself.
+//! Guarantees: hair keeps its root and its path to the tie, to less than a millimetre where it bends, and all its
+//! attributes; no point below the skin; nothing depends on the number of hairs. Not promised: even points where hair on
+//! the inside of a narrow arch turns about itself.
 
 use super::tie::Tie;
 use crate::data::attributes::{Attribute, Column, Domain, FIBRE, ID, PARENT, PUFF};
@@ -20,12 +20,12 @@ use crate::maths::low_discrepancy::disc;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 
-/// Distance between samples of a course, cm.
+/// Spacing of the samples of a course, cm.
 pub(super) const STEP: f32 = 0.2;
 /// The most locks of a bundle.
 pub(super) const MOST_LOCKS: i64 = 400;
 
-/// The centre line of a bundle from its tie on, with frames, at even steps.
+/// Centre line of a bundle from its tie on, with frames, at even steps.
 pub(super) struct Course {
     /// Centre, and two axes across; azimuth 0 is the first.
     at: Vec<(Vec3, Vec3, Vec3)>,
@@ -34,7 +34,7 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// The course through points, whose frames start as those of the tie.
+    /// The course through these points; its frames start with that of the tie.
     pub(super) fn new(tie: &Tie, points: &[Vec3]) -> Self {
         let step = points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>()
             / (points.len().max(2) - 1) as f32;
@@ -53,7 +53,7 @@ impl Course {
         }
         Self { at, step: step.max(1e-6) }
     }
-    /// Centre and axes at `s` cm from the tie; past the end the end.
+    /// Centre and axes at `s` cm from the tie; past the end, those of the end.
     #[inline]
     fn at(&self, s: f32) -> (Vec3, Vec3, Vec3) {
         let x = (s / self.step).max(0.0);
@@ -66,38 +66,39 @@ impl Course {
     }
 }
 
-/// How a bundle lies along its course.
+/// Layout of a bundle along its course.
 pub(super) struct Bundle<'a> {
     /// Ties and courses, by tie.
     pub ties: Vec<(Tie, Course)>,
     pub skin: Skin<'a>,
-    /// Length past the tie, cm.
+    /// Length beyond the tie, cm.
     pub length: f32,
-    /// How much of the way to the tie hair is shorter past it.
+    /// Fraction of the path to the tie that shortens hair beyond it.
     pub layers: f32,
-    /// How much shorter locks and hairs may be, as a share of the length.
+    /// Largest shortening of locks and hairs, as a fraction of the length.
     pub uneven: f32,
     /// Radius along the bundle, in radii of the tie, by fraction of `length`.
     pub profile: &'a Ramp,
-    /// Turn of the bundle about its course in degrees a cm.
+    /// Twist of the bundle about its course, degrees per cm.
     pub twist: f32,
     pub locks: usize,
-    /// How far hairs are drawn to the middle of their lock at its tip.
+    /// How far hairs are drawn to the centre of their lock at its tip.
     pub clump: f32,
     /// How far locks and hairs wander, cm.
     pub loose: f32,
-    /// Points of a hair.
+    /// Points per hair.
     pub points: usize,
     pub dice: Dice,
     pub seed: i64,
 }
 
-/// Chords within this ratio are even: where a hair bends as about a tie, its points are read alike then (`maths/readings.rs`).
+/// Chords within this ratio are even: where a hair bends sharply, as around a tie, all readers then interpret its
+/// points alike (`maths/readings.rs`).
 const EVEN: f32 = 1.02;
-/// Rounds in which they are made so.
+/// Rounds of adjustment.
 const ROUNDS: usize = 5;
 
-/// One lock: where it is across the bundle, and how it differs.
+/// One lock: its place across the bundle, and its deviations.
 struct Lock {
     id: u64,
     middle: Vec2,
@@ -106,7 +107,7 @@ struct Lock {
 }
 
 impl Bundle<'_> {
-    /// Hair that goes on past its ties. What belongs to none goes through as it is.
+    /// Continues hair past its ties. Hair without a tie passes through unchanged.
     pub(super) fn go_on(&self, cx: &EvalCx, hair: &Curves) -> Result<Curves, NodeError> {
         let size = [("hairs", hair.curve_count() as f64), ("points", self.points as f64)];
         cx.may_make(&Size::of(&size))?;
@@ -135,7 +136,7 @@ impl Bundle<'_> {
         let mut out = TuftBuilder::new();
         let (mut parents, mut lengths) = (vec![], vec![]);
         let mut points: Vec<Vec3> = vec![];
-        // Which of the old points each new one has its values from.
+        // For each new point, the old point that its values come from.
         let mut from: Vec<u32> = vec![];
         for i in 0..tuft.len() {
             piece.tick()?;
@@ -161,7 +162,7 @@ impl Bundle<'_> {
                     piece.trouble(id, "hair that belongs to none of the ties was left as it is");
                 }
             }
-            // Values of points go along by the share of the points that they had.
+            // Point values move along in proportion to the number of points.
             let (old, new) = (range.len().max(1) - 1, points.len().max(2) - 1);
             from.extend((0..points.len()).map(|k| (range.start + k * old / new) as u32));
             let whole: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
@@ -186,8 +187,8 @@ impl Bundle<'_> {
         Ok(out.build())
     }
 
-    /// Makes of a hair that ends at its tie one that goes on, with points evenly from root to tip; gives the id of its lock,
-    /// or `parent` where there are no locks.
+    /// Extends a hair that ends at its tie, with points evenly spaced from root to tip; returns the id of its lock, or
+    /// `parent` if there are no locks.
     fn hair(
         &self,
         id: u64,
@@ -233,8 +234,8 @@ impl Bundle<'_> {
         let last = self.points - 1;
         let step = (held + length) / last as f32;
         let mut stops: Vec<f32> = (0..=last).map(|n| step * n as f32).collect();
-        // On the inside of an arch the course is longer than the hair, so that even steps along it are not even along the hair.
-        // Where a hair turns about itself they never are, and rounds may make it worse: the best one stays.
+        // On the inside of an arch the course is longer than the hair, so that even steps along it are not even along
+        // the hair. Where a hair turns about itself they never are, and more rounds may be worse: the best one is kept.
         let (mut best, mut round) = (None, vec![]);
         for _ in 0..ROUNDS {
             let mut walk = Walk::new(base);
@@ -264,7 +265,8 @@ impl Bundle<'_> {
     }
 }
 
-/// Moves the stops of points along a hair to where chords would be alike; gives the longest chord over the shortest as they are.
+/// Moves the points along a hair to where chords would be equal; returns the ratio of the longest to the shortest chord
+/// before the move.
 fn even_stops(points: &[Vec3], stops: &mut [f32]) -> f32 {
     let chord = |k: usize| points[k].distance(points[k + 1]);
     let last = points.len() - 1;
@@ -286,7 +288,7 @@ fn even_stops(points: &[Vec3], stops: &mut [f32]) -> f32 {
     most / least.max(1e-9)
 }
 
-/// A walk along a line, from its root on.
+/// A walk along a line, starting at its root.
 struct Walk<'a> {
     line: &'a [Vec3],
     k: usize,
@@ -299,7 +301,7 @@ impl<'a> Walk<'a> {
     fn new(line: &'a [Vec3]) -> Self {
         Self { line, k: 1, passed: 0.0, link: line[0].distance(line[1]) }
     }
-    /// The point `s` cm along; never less than asked before.
+    /// The point `s` cm along the line; `s` must not decrease between calls.
     fn at(&mut self, s: f32) -> Vec3 {
         while self.k + 1 < self.line.len() && self.passed + self.link < s {
             self.passed += self.link;
@@ -311,7 +313,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// A point between points number `k - 1` and `k` of an evenly pointed line, on the cubic through those beside them.
+/// A point between points `k - 1` and `k` of an evenly spaced line, on the cubic through the adjacent points.
 fn between(line: &[Vec3], k: usize, t: f32) -> Vec3 {
     let (p1, p2) = (line[k - 1], line[k]);
     let p0 = if k >= 2 { line[k - 2] } else { p1 * 2.0 - p2 };

@@ -1,12 +1,13 @@
-//! The skin around a tie, tabulated by bearing and by distance over the skin, so that hair can be combed to the tie
-//! without asking the surface at every point.
+//! The skin around a tie, tabulated by bearing and distance over the skin, so that hair can be combed to the tie
+//! without querying the surface at every point.
 //!
-//! Lines of one bearing run from the tie in planes through the middle of the head: the straightest way over a head that is
-//! nearly round. Bearing and distance are coordinates of the skin: lines that keep apart in them keep apart on the head.
+//! Lines of constant bearing run from the tie in planes through the centre of the head: the shortest paths over a
+//! nearly round head. Bearing and distance are coordinates of the skin: lines that stay apart in them stay apart on the
+//! head.
 //!
-//! Guarantees: at its own samples the table lies on the skin (on ears, on the outside of them); between them it is less than
-//! 0.01 cm under it on a head. Not promised: anything where the skin has no outside as seen from the middle of the
-//! head, such as under a chin: there the table goes on as it was.
+//! Guarantees: at its own samples, the table lies on the skin (on ears, on their outside); in between, it is less than
+//! 0.01 cm below it on a head. Not promised: anything where the skin has no outside as seen from the centre of the
+//! head, such as under a chin: the table is extrapolated there.
 
 use super::tie::Tie;
 use crate::data::scalp::Scalp;
@@ -18,15 +19,15 @@ use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
 
-/// Bearings that are tabulated.
+/// Number of tabulated bearings.
 const BEARINGS: usize = 192;
-/// Angles from the foot, seen from the middle of the head, at which the skin is looked for.
+/// Angles from the foot, seen from the centre of the head, at which the skin is sampled.
 const ANGLES: usize = 120;
-/// The farthest of them: beyond, lines of all bearings run together again.
+/// The largest of them: beyond, lines of all bearings converge again.
 const FARTHEST: f32 = 0.94 * PI;
-/// Distance between samples along a line of one bearing, cm.
+/// Spacing of samples along a line of constant bearing, cm.
 const STEP: f32 = 0.25;
-/// Skin farther from the middle of the head than this many radii is no longer the head's.
+/// Skin farther than this many radii from the centre of the head no longer belongs to it.
 const HEAD: f32 = 1.3;
 
 /// Skin around a foot.
@@ -38,9 +39,9 @@ pub(super) struct Dome {
     ahead: Vec3,
     /// Distance over the skin by bearing and angle, cm.
     arcs: Vec<f32>,
-    /// Samples along a line of one bearing.
+    /// Samples along a line of constant bearing.
     along: usize,
-    /// Skin and its normal by bearing and distance.
+    /// Skin and its normal, by bearing and distance.
     skin: Vec<(Vec3, Vec3)>,
 }
 
@@ -54,7 +55,7 @@ pub(super) struct Polar {
 }
 
 impl Dome {
-    /// The skin around a tie, made or remembered. Bearings are the tie's azimuths, leaned with its axis.
+    /// The skin around a tie, computed or cached. Bearings are the tie's azimuths, tilted with its axis.
     pub(super) fn around(cx: &EvalCx, scalp: &Scalp, tie: &Tie) -> Arc<Dome> {
         let key = KeyBuilder::new("dome").key(scalp.key()).vec3(tie.foot.point);
         cx.memo(key.vec3(tie.axis).vec3(tie.right).finish(), || {
@@ -134,7 +135,7 @@ impl Dome {
         let normal = |b: usize, j: usize| {
             let on = |b: usize, j: usize| line[(b % BEARINGS) * along + j];
             let (j0, j1) = (j.saturating_sub(2), (j + 2).min(along - 1));
-            // Close to the foot bearings lie too close for a difference: the ring of the third sample stands for them.
+            // Close to the foot, bearings are too close for a difference: the ring of the third sample is used.
             let wide = j.max(3).min(along - 1);
             let round = on(b + 2, wide) - on(b + BEARINGS - 2, wide);
             let out = (on(b, j) - self.origin).normalize_or(self.pole);
@@ -147,7 +148,7 @@ impl Dome {
             (0..BEARINGS * along).map(|i| (line[i], normal(i / along, i % along))).collect();
     }
 
-    /// Where a point of the skin lies.
+    /// Coordinates of a point of the skin.
     pub(super) fn polar(&self, p: Vec3) -> Polar {
         let out = (p - self.origin).normalize_or(self.pole);
         let (x, y) = (out.dot(self.right), out.dot(self.ahead));
@@ -163,7 +164,7 @@ impl Dome {
         Polar { bearing, distance: arc(b) * (1.0 - g) + arc(c) * g }
     }
 
-    /// Skin and normal (nearly unit) at a bearing and a distance.
+    /// Skin and normal (nearly unit) at a bearing and distance.
     #[inline]
     pub(super) fn at(&self, place: Polar) -> (Vec3, Vec3) {
         let (b, c, g) = beside(place.bearing);
@@ -181,12 +182,12 @@ impl Dome {
     }
 }
 
-/// The angle of a number.
+/// The angle of an index.
 fn angle(k: usize) -> f32 {
     FARTHEST * k as f32 / (ANGLES - 1) as f32
 }
 
-/// The bearings on both sides, and how far from the first to the second.
+/// The adjacent bearings, and the fraction from the first to the second.
 #[inline]
 fn beside(bearing: f32) -> (usize, usize, f32) {
     let x = bearing * BEARINGS as f32;

@@ -1,14 +1,14 @@
-//! Gather: hair combed smoothly over the scalp into a tie.
+//! Gather: combs hair smoothly over the scalp into a tie.
 //!
-//! Seen from its tie every hair keeps its bearing and the order of its distance: a hair rooted farther away lies over those
-//! rooted nearer and farther out in the tie, so that in the half plane of one bearing hairs are nested hyperbolas
-//! over the skin. How thick they lie on one another follows from the area of the tie: what passes at a distance is the
-//! hair rooted beyond, spread over the circle there.
+//! Seen from its tie, every hair keeps its bearing and the order of its distance: a hair rooted farther away lies over
+//! those rooted nearer, and farther out in the tie, so that in the half plane of one bearing, hairs are nested
+//! hyperbolas over the skin. The thickness of their layers follows from the area of the tie: the hair that passes at a
+//! distance is the hair rooted beyond, spread over the circle there.
 //!
-//! Guarantees: roots on the scalp and unmoved; no point under the skin; ends within the tie's ring, or over it where that dips
-//! into the head; hairs of one tie that do not stray keep their order; more hair only adds hairs; hair of a tie that takes only
-//! its own section crosses no parting, nor does hair of a section that its tie stands over but where the skin leaves it no way,
-//! which is told. Not promised: equal lengths.
+//! Guarantees: roots on the scalp and unmoved; no point below the skin; ends inside the tie's ring, or above it where
+//! it dips into the head; hairs of one tie keep their order unless they stray; more hair only adds hairs; hair of a tie
+//! that gathers only its own section crosses no parting, and neither does hair of a section that its tie stands over,
+//! except where the skin leaves no path, which is reported. Not promised: equal lengths.
 
 use super::dome::{Dome, Polar};
 use super::tie::Tie;
@@ -34,80 +34,79 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 node! {
-    /// Combs hair smoothly over the scalp into a tie: the base of pony tails, buns and puffs.
+    /// Combs hair smoothly over the scalp into a tie: the base of ponytails, buns and puffs.
     ///
-    /// Hair goes the straight way over the head and lies in layers, what comes from farther away on top. Wire `curves` and
-    /// `ties` into Tail or Bun, which make the hair go on past the tie, or `ties` into Sphere puff. With several
-    /// ties each hair goes to the nearest, and a bare line is left between.
+    /// Hair takes the shortest way over the head and lies in layers, with hair from farther away on top. Wire `curves`
+    /// and `ties` into Tail or Bun, which continue the hair past the tie, or `ties` into Sphere puff. With several
+    /// ties, each hair goes to the nearest one, with a parting between them.
     "gather", version 1, label "Gather into tie",
         words "tie ponytail pony tail bun puff elastic band hair tie base sleek slick back comb pull bunches pigtails updo", thins;
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
-        /// Hair whose roots are gathered, such as that of a section; the rest of it does not count. Without it hair is rooted all
-        /// over the scalp, as `density` and `mask` say.
+        /// Hair to gather by its roots, such as that of a section; only the roots are used. Without it, hair is rooted
+        /// all over the scalp by `density` and `mask`.
         roots: Option<Curves>, words("section hair");
-        /// Curves whose roots are where ties sit, one tie a root. Without them there is one at `position`.
+        /// Curves whose roots are the positions of ties, one tie per root. Without them, one tie sits at `position`.
         placements: Option<Curves>, words("points several");
-        /// Where the tie sits, in head units (cm on a head of average size) from the middle of the cranium: the place on the
-        /// scalp that lies in this direction.
+        /// Position of the tie in head units from the centre of the cranium: the point of the scalp in this direction.
         position: Vec3 = Vec3::new(0.0, 6.5, -7.0), handle(Handle::Point), words("place pick height high low");
-        /// Whether a second tie sits at the same place on the other side of the head, with a centre parting between.
+        /// Add a second tie at the mirrored position, with a centre parting between them.
         mirror: bool = false, words("symmetry pigtails bunches two");
-        /// Hairs on a square centimetre. People have 130 to 250.
+        /// Hairs per square centimetre. People have 130 to 250.
         density: f32 = 150.0, hard(0.0, 5000.0), soft(20.0, 300.0), unit(PerCm2), words("amount number");
-        /// How many of the hairs are kept, from none to all; usually a mask or a section.
+        /// Fraction of hairs to keep; usually a mask or a section.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");
         /// Diameter of a hair.
         width: f32 = 0.007, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
 
         [Placement]
-        /// Hair rooted farther from its tie than this, over the scalp, is not gathered. 0: no limit.
+        /// Largest distance over the scalp from which a tie gathers hair. 0: no limit.
         reach: f32 = 0.0, hard(0.0, 200.0), soft(0.0, 20.0), unit(Length), handle(Handle::Radius), words("area section");
-        /// Whether a tie takes only hair of the section that it sits in, where the scalp is parted.
+        /// On a parted scalp, let each tie gather only hair of its own section.
         own_section: bool = false, words("partings section parted area");
-        /// Width of the bare line between the hair of two ties.
+        /// Width of the parting between the hair of two ties.
         parting: f32 = 0.15, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("part line section");
-        /// Hairs along the outer edges, at hairline and partings, for each that grows there: more make a firm edge where hair is
-        /// combed away from bare skin.
+        /// Hairs along the outer edges, at hairline and partings, per hair that grows there. More makes a firm edge
+        /// where hair is combed away from bare skin.
         edge_density: f32 = 1.0, hard(1.0, 12.0), soft(1.0, 6.0), words("hairline parting edge dense laid crisp");
-        /// How far in from an edge hair is denser.
+        /// Width of the denser band along an edge.
         edge_width: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("hairline parting edge");
 
         [Shape]
-        /// How thick hair lies on hair: 1 as thick as fills the tie, 0 all on the skin.
+        /// Thickness of the layers of hair: 1 is as thick as fills the tie, 0 lays all hair on the skin.
         volume: f32 = 1.0, hard(0.0, 4.0), soft(0.0, 2.0), unit(Ratio), words("lift body fullness");
-        /// How far hair lies over the skin at least, past its root.
+        /// Smallest height of the hair above the skin, past its root.
         clearance: f32 = 0.03, hard(0.0, 5.0), soft(0.0, 0.3), unit(Length), words("lift offset");
 
         [Tie]
-        /// Height over the scalp at which hair leaves the tie.
+        /// Height above the scalp at which hair leaves the tie.
         height: f32 = 1.2, hard(0.1, 30.0), soft(0.3, 4.0), unit(Length), handle(Handle::Length), words("stand off");
         /// Radius of the hair in the tie. A full head of straight hair has 1 to 1.5 cm.
         radius: f32 = 1.2, hard(0.05, 10.0), soft(0.3, 2.5), unit(Length), handle(Handle::Radius), words("thickness girth");
-        /// How far the tie leans from the scalp's normal: up over the head, or down when negative.
+        /// Tilt of the tie from the scalp normal: up over the head, or down when negative.
         lean: f32 = 0.0, hard(-80.0, 80.0), soft(-60.0, 60.0), unit(Angle), handle(Handle::Angle), words("tilt angle direction");
-        /// How tightly hair is drawn in: 1 bends sharply up into the tie and lies flat until then, 0 rises to it from far.
+        /// How tightly hair is pulled in: 1 lies flat and bends sharply up into the tie, 0 rises to it from far away.
         tightness: f32 = 0.75, hard(0.0, 1.0), unit(Ratio), words("elastic band tension");
-        /// Turns of the band's guide round the tie; 0 gives no band.
+        /// Turns of the band's guide around the tie; 0 makes no band.
         band_turns: f32 = 3.0, hard(0.0, 20.0), soft(0.0, 6.0), words("wrap hair elastic");
-        /// Height that the band covers.
+        /// Height of the tie that the band covers.
         band_height: f32 = 0.7, hard(0.0, 10.0), soft(0.2, 2.0), unit(Length), words("wrap hair elastic");
 
         [Detail]
-        /// Points on each hair, root and end included.
+        /// CVs per hair, root and end included.
         points: i64 = 20, hard(4.0, 200.0), soft(8.0, 40.0), unit(Count), words("cvs resolution segments");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How far hairs wander to the side on their way. 0 is combed perfectly.
+        /// How far hairs wander sideways on their way. 0 is perfectly combed.
         wander: f32 = 0.08, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("jitter random messy natural");
-        /// Share of hairs that stand off from the others on their way.
+        /// Fraction of hairs that stand off from the others on their way.
         stray: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
-        /// How far they stand off at most.
+        /// Largest distance by which they stand off.
         stray_height: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("flyaways loose");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
@@ -115,27 +114,28 @@ node! {
         curves: Curves;
         /// The ties: curves from the scalp to where hair is free again, with their radius.
         ties: Curves;
-        /// A lock that winds round each tie and hides its band: fill it with Cluster to strands.
+        /// A lock wound around each tie to hide its band. Fill it with Cluster to strands.
         bands: Curves;
     }
 }
 
-/// Hairs that are made in one piece of work.
+/// Hairs per work item.
 const HAIRS_A_PIECE: usize = 1024;
-/// The most hairs, whatever the density asks.
+/// The most hairs at any density.
 const MOST_HAIRS: usize = 2_000_000;
-/// Roots that tell how hair is spread around a tie. The same ones whatever the density, so that more hair moves none.
+/// Number of roots that determine how hair is spread around a tie. They do not depend on the density, so that more hair
+/// moves none.
 const PROBES: u32 = 8192;
-/// Samples of a hair's way before its points are spread evenly.
+/// Samples of a hair's path before its points are spaced evenly.
 const SAMPLES: usize = 40;
-/// What is said of hair that its tie draws over a parting.
+/// Message for hair that its tie draws over a parting.
 const OVER: &str = "a hair is combed over a parting to its tie: own_section keeps ties to their sections, and reach to the hair near them";
-/// Steps in which the share of hair within a distance is tabulated, and how long they are, cm.
+/// Steps in which the fraction of hair within a distance is tabulated, and their length, cm.
 const SHARES: usize = 256;
 const SHARE_STEP: f32 = 0.2;
-/// Places of a tie's ring at which it is looked what section it stands over.
+/// Samples of a tie's ring for finding the sections that it stands over.
 const AROUND: usize = 16;
-/// Farther than this (cm on a head of average size) no point is moved to keep it off a parting.
+/// No point is moved farther than this (cm on a head of average size) to keep it off a parting.
 const FAR_OFF: f32 = 0.6;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -226,7 +226,7 @@ fn ties(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<Tie>, NodeError> 
     Ok(feet.into_iter().map(tie).collect())
 }
 
-/// The lock that winds round a tie: from the scalp under it to its top.
+/// The lock wound around a tie: from the scalp under it to its top.
 fn band(tie: &Tie, turns: f32, height: f32, seed: i64) -> Option<Tuft> {
     let wound = turns * if turns > 0.0 { 1.0 } else { 0.0 };
     let thick = 0.5 * height / turns.max(1.0);
@@ -256,7 +256,7 @@ fn band(tie: &Tie, turns: f32, height: f32, seed: i64) -> Option<Tuft> {
     Some(b.build())
 }
 
-/// Values of a column; one where they are all the same.
+/// Values of a column; a single one if they are all equal.
 fn shared<T: PartialEq>(mut values: Vec<T>) -> Vec<T> {
     if values.windows(2).all(|w| w[0] == w[1]) {
         values.truncate(1);
@@ -268,13 +268,13 @@ fn shared<T: PartialEq>(mut values: Vec<T>) -> Vec<T> {
 struct Gathered {
     tie: Tie,
     dome: Arc<Dome>,
-    /// The section that it sits in, when only that counts.
+    /// The section that it sits in, if only that one is gathered.
     section: Option<u32>,
-    /// The sections that its ring stands over: hair of these need not pass over a parting to come to it.
+    /// The sections that its ring stands over: their hair reaches it without crossing a parting.
     under: Vec<u32>,
-    /// Share of the tie's hair rooted within so many steps of distance.
+    /// Fraction of the tie's hair rooted within each distance.
     shares: Vec<f32>,
-    /// How thick hair lies at a distance times that distance, cm2.
+    /// Thickness of the layer at a distance, times that distance, cm2.
     thickness: f32,
 }
 
@@ -294,7 +294,7 @@ impl Gathered {
         }
         Self { tie, dome, section, under, shares: vec![0.0; SHARES + 1], thickness: 0.0 }
     }
-    /// The share of the tie's hair that is rooted within a distance.
+    /// The fraction of the tie's hair rooted within a distance.
     #[inline]
     fn share(&self, distance: f32) -> f32 {
         let x = (distance * (1.0 / SHARE_STEP)).clamp(0.0, SHARES as f32 - 0.001);
@@ -303,7 +303,7 @@ impl Gathered {
     }
 }
 
-/// A root, its stable id and the tie it goes to.
+/// A root, its stable id and its tie.
 #[derive(Clone, Copy)]
 struct Rooted {
     id: u64,
@@ -319,7 +319,7 @@ struct Gatherer<'a> {
     unit: f32,
     even: EvenRoots<'a>,
     detour: Detour<'a>,
-    /// Where ties take hair of their own section alone.
+    /// If ties gather only hair of their own section.
     sections: Option<&'a Sections>,
     ties: Vec<Gathered>,
     keep: Dice,
@@ -327,7 +327,7 @@ struct Gatherer<'a> {
 }
 
 impl Gatherer<'_> {
-    /// Learns how hair is spread around each tie.
+    /// Measures how hair is spread around each tie.
     fn probe(&mut self, given: &[(&Tuft, usize)]) -> Result<(), NodeError> {
         let distances: Vec<(usize, f32)> = if self.inputs.roots.is_some() {
             let every = given.len().div_ceil(PROBES as usize).max(1);
@@ -337,7 +337,7 @@ impl Gatherer<'_> {
             });
             roots.collect()
         } else {
-            // Hair that only makes edges firm lies on top of the rest and counts with it.
+            // Hair that only makes edges firm lies on top of the rest and counts as well.
             self.rooted(0..PROBES)?.iter().map(|r| (r.tie, r.place.distance)).collect()
         };
         let mut counts = vec![vec![0u32; SHARES]; self.ties.len()];
@@ -352,14 +352,14 @@ impl Gatherer<'_> {
                 gathered.shares[k + 1] = sum as f32 / all;
             }
             let tie = &gathered.tie;
-            // Never so thick that it would reach over the tie.
+            // Never so thick that it would rise above the tie.
             let most = 1.2 * tie.height / tie.radius;
             gathered.thickness = 0.5 * tie.radius * tie.radius * self.inputs.volume.min(most);
         }
         Ok(())
     }
 
-    /// Roots by number in the list of even roots.
+    /// Roots by index in the list of even roots.
     fn rooted(&self, which: std::ops::Range<u32>) -> Result<Vec<Rooted>, NodeError> {
         let found: Vec<(u32, Root)> = which.filter_map(|i| Some((i, self.even.root(i)?))).collect();
         let mut b = TuftBuilder::even(found.iter().map(|(_, r)| r.point).collect(), 1);
@@ -380,7 +380,8 @@ impl Gatherer<'_> {
         Ok(out)
     }
 
-    /// More hairs beside one at an outer edge: where, a little farther from its tie, hair of this tie no longer grows.
+    /// Additional hairs beside one at an outer edge: where, slightly farther from its tie, hair of this tie no longer
+    /// grows.
     fn edge(&self, id: u64, root: &Root, tie: usize, out: &mut Vec<Rooted>) {
         let (more, width) = (self.inputs.edge_density - 1.0, self.inputs.edge_width * self.unit);
         if more <= 0.0 || width <= 0.0 {
@@ -430,7 +431,7 @@ impl Gatherer<'_> {
         out
     }
 
-    /// The tie that hair of a root goes to; none on a parting and out of reach.
+    /// The tie of a root; `None` on a parting and out of reach.
     fn tie_of(&self, root: &Root) -> Option<(usize, Polar)> {
         let mut best: Option<(usize, Polar)> = None;
         let mut second: Option<(usize, Polar)> = None;
@@ -501,7 +502,7 @@ impl Gatherer<'_> {
         b.set(ID, Domain::Curve, column(roots, |r| r.id));
         b.set(PARENT, Domain::Curve, column(roots, tie));
         b.set(PUFF, Domain::Curve, column(roots, tie));
-        // Told, so that a file alone shows whether hair passes its tie.
+        // Stored so that the file alone shows whether hair passes through its tie.
         b.set(TIE, Domain::Curve, shared(column(roots, |r| self.ties[r.tie].tie.top())));
         b.set(TIE_RADIUS, Domain::Curve, shared(column(roots, |r| self.ties[r.tie].tie.radius)));
         b.set(ROOT_TRIANGLE, Domain::Curve, column(roots, |r| r.root.triangle as i32));
@@ -519,8 +520,8 @@ impl Gatherer<'_> {
         Ok(b.build())
     }
 
-    /// A hair's way into its tie. Along a line of one bearing `x` is the distance over the skin and `z` the height over
-    /// it: z = layer(x) + c / (x - a), a hyperbola that runs along the skin and turns up along the tie.
+    /// A hair's path into its tie. Along a line of constant bearing, `x` is the distance over the skin and `z` the
+    /// height above it: z = layer(x) + c / (x - a), a hyperbola that runs along the skin and turns up along the tie.
     fn comb(&self, rooted: &Rooted, way: &mut Vec<(f32, f32, f32)>, points: &mut Vec<Vec3>) {
         let gathered = &self.ties[rooted.tie];
         let (tie, dome) = (&gathered.tie, &*gathered.dome);
@@ -542,7 +543,7 @@ impl Gatherer<'_> {
         let mut length = 0.0;
         for k in 0..=SAMPLES {
             let t = k as f32 / SAMPLES as f32;
-            // Even steps far away, ever smaller ones towards the bend.
+            // Even steps far away, decreasing toward the bend.
             let even = far + (gap - far) * t;
             let bent = far * gap / (gap + (far - gap) * t);
             let x = a + even + (bent - even) * t;
@@ -564,9 +565,9 @@ impl Gatherer<'_> {
         let (y, x) = sin_cos_turns(rooted.place.bearing);
         let out = tie.right * x + tie.ahead() * y;
         let side = out.cross(tie.axis);
-        // The table's place of the root is a little off the root: the difference fades away along the hair.
+        // The table is slightly off at the root: the difference fades out along the hair.
         let off = rooted.root.point - dome.at(rooted.place).0;
-        // Hair of a section that its tie stands over goes no way through another.
+        // Hair of a section that its tie stands over does not cross another section.
         let home = self.home(rooted);
         let (mut k, mut by) = (1, rooted.root.triangle);
         let from_here = points.len();
@@ -586,7 +587,7 @@ impl Gatherer<'_> {
             if stray > 0.0 {
                 z += stray * sin(PI * u * u.sqrt());
             }
-            // Over the tie heights are measured along its axis, on the skin across it.
+            // Over the tie, heights are measured along its axis; elsewhere along the skin's normal.
             let near = 1.0 - ((x - tie.radius) / (2.0 * tie.radius)).clamp(0.0, 1.0);
             let near = near * near * (3.0 - 2.0 * near);
             let up = normal.lerp(tie.axis, near).normalize_or(normal);
@@ -598,26 +599,26 @@ impl Gatherer<'_> {
             let aside = 4.0 * u * rest * (sway + turn * (1.0 - 2.0 * u) * 1.5);
             let across = if near < 1.0 { up.cross(way_of(skin, tie)) } else { side };
             p += across * aside + off * (rest * rest * rest);
-            // What would have to go far is over an ear, or is left out.
+            // Points that would have to move far are over an ear, or are dropped.
             let kept = home.and_then(|home| home.kept(p, &mut by));
             p = kept.filter(|q| q.distance(p) < FAR_OFF * self.unit).unwrap_or(p);
             points.push(self.clear(p));
         }
         self.past_ears(&mut points[from_here..]);
         if let Some(end) = points.last_mut() {
-            // The ring of a tie that leans may dip into the head.
+            // The ring of a tilted tie may dip into the head.
             *end = self.clear(tie.foot.point + out * ring + tie.axis * tie.height);
         }
     }
 
-    /// The section that a hair keeps to on its way.
+    /// The section that a hair stays in along its path.
     fn home(&self, rooted: &Rooted) -> Option<Home<'_>> {
         let number = self.scalp.sections()?.of(&rooted.root)?;
         let stands = self.ties[rooted.tie].under.contains(&number);
         (self.inputs.own_section || stands).then(|| self.scalp.home(rooted.root.point)).flatten()
     }
 
-    /// Where a hair would lead over an ear it goes straight to where it is past it, and round what is in between.
+    /// Where a hair would cross an ear, it runs straight to the point past it, and around what is in between.
     fn past_ears(&self, hair: &mut [Vec3]) {
         let Some(over) = hair.iter().skip(1).rposition(|p| !self.detour.is_free(*p)) else {
             return;
@@ -637,7 +638,8 @@ impl Gatherer<'_> {
         }
     }
 
-    /// A hair whose points folds have made uneven is read as another one elsewhere: even points of it, before it is judged.
+    /// Other programs would read a hair with points made uneven by folds as a different curve: it gets even points
+    /// before it is tested.
     fn evened(&self, hair: &mut [Vec3]) {
         let last = hair.len() - 1;
         if readings_differ(hair) <= AGREE {
@@ -653,14 +655,14 @@ impl Gatherer<'_> {
         (hair[0], hair[last]) = ends;
     }
 
-    /// `p`, out of the skin.
+    /// `p`, moved out of the skin.
     #[inline]
     fn clear(&self, p: Vec3) -> Vec3 {
         self.skin.push_out(p, 0.0).0
     }
 }
 
-/// From the tie's foot to a point, unit.
+/// Direction from the tie's foot to a point, unit.
 #[inline]
 fn way_of(p: Vec3, tie: &Tie) -> Vec3 {
     (p - tie.foot.point).normalize_or(tie.right)

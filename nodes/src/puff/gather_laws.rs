@@ -68,7 +68,7 @@ fn combed_hair_keeps_bearing_and_order() {
         let place = tie.place(p);
         atan2(place.y, place.x) / TAU
     };
-    // Rings of the tie by sector: what is rooted farther away ends farther out.
+    // Rings of the tie by sector: hair rooted farther away ends farther out.
     let mut sectors: BTreeMap<i32, Vec<(f32, f32)>> = BTreeMap::new();
     for (tuft, i) in hair.each() {
         let points = tuft.curve(i);

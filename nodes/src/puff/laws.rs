@@ -26,7 +26,7 @@ fn puff(set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
     (curves_of(&out[0]).clone(), curves_of(&out[1]).clone(), said)
 }
 
-/// The ball's place for a puff, its normal there, and the sphere's centre for a radius of 6.
+/// The ball's point for a puff, its normal there, and the sphere's centre for a radius of 6.
 fn middle(scalp: &Scalp) -> (Root, Vec3) {
     let root = super::picked(scalp, Vec3::new(0.0, 8.0, -4.0)).unwrap();
     (root, root.point + root.normal * 6.0)
@@ -64,7 +64,7 @@ fn guides_end_on_the_sphere_leave_along_the_normal_and_stay_outside() {
         }
     }
     assert!(off < 1e-4 && leaving > 0.99 && deepest > -1e-3, "{off} {leaving} {deepest}");
-    // Where a tight tie bends hair within two CVs, even spacing gives way to the direction at the root.
+    // Where a tight tie bends hair within two CVs, even spacing yields to the direction at the root.
     assert!(uneven <= 1.6, "{uneven}");
 }
 
@@ -82,7 +82,7 @@ fn guides_keep_their_order() {
     };
     for row in 0..6 {
         for column in 0..16 {
-            // One column on, always the same way round.
+            // One column further, always in the same direction.
             for (a, b) in across(row, column).iter().zip(across(row, (column + 1) % 16)) {
                 let step = atan2(b.y, b.x) - atan2(a.y, a.x);
                 let step = step - TAU * (step / TAU).round();
@@ -119,7 +119,7 @@ fn the_fill_covers_the_sphere() {
         &[("curves", hair.clone().into()), ("preset", "4a".into())],
     );
     for (what, hair) in [("straight", &hair), ("4a", curves_of(&curled.0[0]))] {
-        // Rings of 5 degrees cut into cells of one area, as near as whole numbers allow.
+        // Rings of 5 degrees divided into cells of equal area, as closely as integers allow.
         let cells = |ring: usize| {
             let area = cos(ring as f32 * PI / 36.0) - cos((ring + 1) as f32 * PI / 36.0);
             (area * TAU / (PI / 36.0 * PI / 36.0)).round().max(1.0) as usize
@@ -139,7 +139,7 @@ fn the_fill_covers_the_sphere() {
                 held.insert((ring, cell));
             }
         }
-        // Rings whose far border lies 5 degrees or more inside 140 degrees.
+        // Rings whose outer border is 5 degrees or more inside 140 degrees.
         let asked: usize = (0..27).map(cells).sum();
         let held = held.iter().filter(|(ring, _)| *ring < 27).count();
         assert!(held as f32 >= 0.95 * asked as f32, "{what}: {held} of {asked}");
@@ -200,7 +200,7 @@ fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
     let clean = [("depth_to", Value::Float(0.0)), ("count", Value::Int(400))];
     let egg = [("shape", "ellipsoid".into()), ("stretch", Vec3::new(1.2, 0.9, 1.0).into())];
     let (guides, hair, _) = puff(&[&clean[..], &egg].concat());
-    // Every hair tells how far off the outline is where it ends.
+    // Every hair stores the distance of the outline at its end.
     let told = |hair: &Curves| {
         for (tuft, i) in hair.each() {
             let tip = tuft.curve(i).last().unwrap().distance(tuft.view(PUFF_CENTRE).at(i, 0));
@@ -217,7 +217,7 @@ fn any_outline_is_met_and_soft_edges_and_neighbours_are_as_asked() {
         let local = Vec3::new(d.dot(right) / 1.2, d.dot(root.normal) / 0.9, d.dot(ahead));
         assert!((local.length() - 1.0).abs() < 1e-3, "{}", local.length());
     }
-    // A mesh of any form: here an egg that was modelled beside the head; its own middle is the puff's.
+    // A mesh of any form: here an egg modeled beside the head, whose own centre is the puff's.
     let round = sphere(5.0, 32);
     let egg = |p: &Vec3| *p * Vec3::new(1.0, 0.8, 1.2) + centre;
     let mesh = Surface::new(round.points.iter().map(egg).collect(), round.triangles.clone());
@@ -269,7 +269,7 @@ fn a_sphere_in_the_head_is_said() {
     assert!(said.iter().any(|text| text.starts_with(DIPS)), "{said:?}");
 }
 
-/// How far each tip is from the sphere's centre.
+/// Distance of each tip from the sphere's centre.
 fn reaches(hair: &Curves, centre: Vec3) -> Vec<f32> {
     hair.each().map(|(tuft, i)| tuft.curve(i).last().unwrap().distance(centre)).collect()
 }
@@ -283,7 +283,7 @@ fn as_many_hairs_stray_as_asked_and_as_far() {
         let (_, hair, _) = puff(&[&clean[..], &stray].concat());
         let over: Vec<f32> = reaches(&hair, centre).iter().map(|far| far - 6.0).collect();
         assert!(over.iter().all(|over| *over > -1e-3 && *over < length + 1e-3));
-        // Most of them reach over it by little: a tenth by less than a hundredth.
+        // Most of them stick out only slightly: a tenth by less than a hundredth.
         let strays = over.iter().filter(|over| **over > 0.01 * length).count() as f32 / 2000.0;
         assert!((strays / (0.9 * share) - 1.0).abs() < 0.15, "{strays} of {share}");
         let farthest = over.iter().copied().fold(0.0, f32::max);
@@ -345,7 +345,7 @@ fn tips_reach_down_to_the_coverage_and_lie_evenly_above_it() {
         assert!((last - coverage).abs() < 0.1, "{last} of {coverage}");
         let tips = polar(&hair);
         let lowest = tips.iter().copied().fold(0.0, f32::max).to_degrees();
-        // Between two guides of a row the way is a great circle, which sags.
+        // Between two guides of a row, the path is a great circle, which sags.
         assert!(lowest < coverage + 0.6 && lowest > coverage - 2.0, "{lowest} of {coverage}");
         // Half of them above the angle that halves the cap's area.
         let whole = 1.0 - cos(coverage.to_radians());
@@ -392,7 +392,7 @@ fn drawn_outlines_are_met_from_front_and_side() {
             let side = if both { side } else { Vec2::splat(6.0) };
             let views = [(local.x, local.z, front), (local.z, local.x, side)];
             for (view, (aside, off, half)) in views.into_iter().enumerate() {
-                // Seen edge on, where the other view does not count.
+                // Seen edge-on, where the other view has no effect.
                 if off.abs() < 0.05 * d.length() && aside.abs() > 0.3 * d.length() {
                     seen[view] += 1;
                     let on = Vec2::new(aside, local.y) / half;

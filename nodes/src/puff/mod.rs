@@ -1,4 +1,4 @@
-//! Puffs, and what else hair is gathered into.
+//! Puffs and other gathered hair.
 
 mod bun;
 mod bundle;
@@ -26,7 +26,7 @@ use glam::Vec3;
 pub(crate) const NODES: &[&NodeDef] =
     &[&gather::NODE, &sphere_puff::NODE, &press_puffs::NODE, &tail::NODE, &bun::NODE];
 
-/// The most places that puffs or ties can be put at: each looks for its own way over the whole head.
+/// The most positions of puffs or ties: each searches its paths over the whole head.
 const MOST_PLACES: usize = 256;
 
 /// The roots of placements and their ids.
@@ -50,7 +50,8 @@ fn placed(cx: &EvalCx, scalp: &Scalp, placements: &Curves) -> Result<Vec<(Root, 
     Ok(out)
 }
 
-/// The scalp in a direction (head units) from the middle of the cranium: the outermost surface there, else the closest.
+/// The scalp in a direction (head units) from the centre of the cranium: the outermost surface there, or else the
+/// closest.
 fn picked(scalp: &Scalp, position: Vec3) -> Option<Root> {
     let frame = scalp.frame();
     let to = scalp.place(position);

@@ -1,8 +1,8 @@
-//! Outlines of puffs: how far hair reaches in each direction from the puff's middle.
+//! Outlines of puffs: how far hair reaches in each direction from the puff's centre.
 //!
-//! Directions are local to the puff: x to its right, y along its axis, z ahead. Guarantees: never less than a hundredth of the
-//! sphere's radius, finite, the same everywhere for the sphere. Drawn outlines are met exactly from front and side, where they
-//! go round the middle once; in between the section is part of an ellipse.
+//! Directions are local to the puff: x to its right, y along its axis, z forward. Guarantees: never less than a
+//! hundredth of the sphere's radius, finite, constant for the sphere. Drawn outlines are matched exactly in front and
+//! side view if they go around the centre once; in between, the cross-section is part of an ellipse.
 
 use crate::data::curves::Curves;
 use crate::maths::closest::Surface;
@@ -10,7 +10,7 @@ use crate::maths::transcendental::{acos, atan2};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Directions in which a drawn outline is tabulated, all round.
+/// Directions in which a drawn outline is tabulated.
 const AROUND: usize = 720;
 
 /// The outline of one puff.
@@ -18,14 +18,14 @@ pub(crate) enum Outline<'a> {
     Sphere,
     /// Half axes in radii.
     Ellipsoid(Vec3),
-    /// A closed mesh, as seen from a place inside with these axes (right, up, ahead).
+    /// A closed mesh, seen from a point inside with these axes (right, up, forward).
     Mesh(&'a Surface, Vec3, [Vec3; 3]),
-    /// Radii in cm by angle from the axis, all round: seen from the front and from the side.
+    /// Radii in cm by angle from the axis, all around, in front view and in side view.
     Drawn(Vec<f32>, Vec<f32>),
 }
 
 impl Outline<'_> {
-    /// Distance from the middle in a local unit direction, for a sphere of this radius.
+    /// Distance from the centre in a local unit direction, for a sphere of this radius.
     pub(crate) fn reach(&self, d: Vec3, radius: f32) -> f32 {
         let reach = match self {
             Outline::Sphere => return radius,
@@ -36,7 +36,7 @@ impl Outline<'_> {
                 let out = *right * d.x + *up * d.y + *ahead * d.z;
                 let (low, high) = surface.bounds();
                 let far = low.distance(high) + centre.distance(0.5 * (low + high));
-                // The outermost wall: from outside in.
+                // The outermost wall: the ray runs from outside in.
                 let hit = surface.ray(*centre + out * far, -out * far, 1.0);
                 hit.map_or(radius, |hit| hit.point.distance(*centre))
             }
@@ -52,17 +52,17 @@ impl Outline<'_> {
         reach.max(0.01 * radius)
     }
 
-    /// A drawn outline as radii by angle: the outermost crossing of each direction; `radius` where there is none. `flat`
-    /// gives a point's place in the plane (across, along the axis) from the middle.
+    /// A drawn outline as radii by angle: the outermost crossing in each direction; `radius` where there is none.
+    /// `flat` returns a point's position in the plane (across, along the axis) from the centre.
     pub(crate) fn drawn(lines: &Curves, radius: f32, flat: impl Fn(Vec3) -> Vec2) -> Vec<f32> {
         let mut out = vec![0.0f32; AROUND];
         for (tuft, i) in lines.each() {
             let points: Vec<Vec2> = tuft.curve(i).iter().map(|p| flat(*p)).collect();
             let finite = points.iter().all(|p| p.is_finite());
-            // A stroke is closed by its last piece.
+            // A stroke is closed by its last segment.
             let next = points.iter().cycle().skip(1);
             for (a, b) in points.iter().zip(next).filter(|_| finite && points.len() >= 3) {
-                // Both as angle from the axis: 0 along it, a quarter turn to the side.
+                // Both as angles from the axis: 0 along it, a quarter turn to the side.
                 let turn = |p: &Vec2| (atan2(p.x, p.y) / TAU).rem_euclid(1.0);
                 let from = turn(a);
                 let by = turn(b) - from;
@@ -87,7 +87,7 @@ impl Outline<'_> {
     }
 }
 
-/// The radius at a turn, between tabulated ones.
+/// The interpolated radius at an angle.
 fn read(radii: &[f32], turn: f32) -> f32 {
     let x = turn.rem_euclid(1.0) * AROUND as f32;
     let (k, f) = (x as usize % AROUND, x.fract());

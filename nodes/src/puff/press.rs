@@ -1,41 +1,41 @@
-//! Walls between puffs: the planes at which puffs that meet end.
+//! Walls between puffs: the planes at which adjacent puffs end.
 //!
-//! Guarantees: what is pressed stays in its direction from the puff's middle, so that hairs keep their order; what lies on its own
-//! side of a wall stays where it is; both puffs of a pair see one plane.
+//! Guarantees: pressed points keep their direction from the puff's centre, so that hairs keep their order; points on
+//! their own side of a wall stay; both puffs of a pair use the same plane.
 
 use glam::Vec3;
 
 /// A plane between a puff and one beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wall {
-    /// From this puff's middle to the other's.
+    /// Vector from this puff's centre to the other's.
     towards: Vec3,
-    /// Where on that way the plane stands, 0 to 1.
+    /// Position of the plane along that vector, 0 to 1.
     at: f32,
 }
 
-/// Never nearer to one of two middles than this share of the way: a puff that lies in a much larger one keeps a rest.
+/// Smallest fraction of the way from either centre: a puff inside a much larger one keeps some volume.
 const NEAREST: f32 = 0.1;
 
 impl Wall {
-    /// Half-way between two puffs of one size.
+    /// Halfway between two puffs of equal size.
     pub(super) fn half_way(from: Vec3, to: Vec3) -> Self {
         Self { towards: to - from, at: 0.5 }
     }
-    /// Where two puffs meet that reach so far towards each other: for spheres the plane of the circle that they have in common.
+    /// Where two puffs meet that reach this far toward each other: for spheres, the plane of their common circle.
     pub(super) fn between((from, far): (Vec3, f32), (to, other_far): (Vec3, f32)) -> Self {
         let apart = from.distance_squared(to).max(1e-6);
         let at = 0.5 + 0.5 * (far * far - other_far * other_far) / apart;
         Self { towards: to - from, at: at.clamp(NEAREST, 1.0 - NEAREST) }
     }
-    /// What the wall is, for keys.
+    /// The wall's data, for keys.
     pub(super) fn told(&self) -> (Vec3, f32) {
         (self.towards, self.at)
     }
 }
 
-/// A point at `off` from the puff's middle, brought back in its direction to the walls that it lies over, by this share of what it is
-/// over.
+/// A point at `off` from the puff's centre, pulled back along its direction toward the walls that it crosses, by this
+/// fraction of the excess.
 pub(super) fn pressed(off: Vec3, walls: &[Wall], share: f32) -> Vec3 {
     let mut off = off;
     for wall in walls {

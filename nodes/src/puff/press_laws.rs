@@ -17,7 +17,7 @@ use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// The hair of a puff node at a place to one side.
+/// The hair of a puff node at a position to one side.
 fn puff(x: f32, seed: i64, set: &[(&str, Value)]) -> Curves {
     let own = [
         ("scalp", shared_ball().into()),
@@ -53,7 +53,7 @@ fn over(hair: &Curves) -> Vec<(f32, f32)> {
         .collect()
 }
 
-/// A ball stretched to an egg, standing where the puff's middle is.
+/// A ball stretched to an egg, at the puff's centre.
 fn egg(centre: Vec3) -> Arc<Scalp> {
     let round = sphere(6.0, 32);
     let at = |p: &Vec3| *p * Vec3::new(1.1, 0.9, 1.0) + centre;
@@ -80,7 +80,7 @@ fn puffs_of_two_nodes_end_at_the_plane_between_and_curled_no_farther_over_it_tha
         let before = over(&hair).iter().filter(|(_, tip)| *tip > 0.01).count();
         assert!(before > 100, "{shape}: {before} tips lie over the plane, too few to tell");
         let (out, said) = press(&hair, &[]);
-        // Outlines that are not the same all round tell to a few hundredths how far they reach.
+        // The reach of outlines that are not round is known to a few hundredths.
         let loose = if shape == "sphere" { 1e-3 } else { 0.15 };
         let worst = over(&out).iter().map(|(all, _)| *all).fold(f32::MIN, f32::max);
         assert!(worst < loose, "{shape}: {worst}");
@@ -91,7 +91,7 @@ fn puffs_of_two_nodes_end_at_the_plane_between_and_curled_no_farther_over_it_tha
         let curled = curves_of(&curled[0]);
         for ((all, _), (tuft, i)) in over(curled).into_iter().zip(curled.each()) {
             let radius = 0.5 * tuft.view(CURL_DIAMETER).at(i, tuft.range(i).start);
-            // The radius of a section that is no circle is its mean; its corners lie farther out.
+            // The radius of a noncircular profile is its mean; its corners are farther out.
             assert!(all < loose + 1.5 * radius, "{shape}: {all} of {radius}");
         }
     }
@@ -138,14 +138,14 @@ fn what_meets_nothing_keeps_its_bits_and_what_is_pressed_its_root_and_its_fibre(
             continue;
         }
         moved += 1;
-        // The outline is told as it is now, no farther than before, and lengths in proportion.
+        // The stored outline is the current one, no farther than before, with lengths in proportion.
         let (was, is) = (a.view(PUFF_RADIUS).at(i, 0), b.view(PUFF_RADIUS).at(j, 0));
         let centre = b.view(PUFF_CENTRE).at(j, 0);
         assert!(is <= was && new[new.len() - 1].distance(centre) <= is * 1.001);
         let length = |p: &[Vec3]| Spline::new(p).unwrap().length();
         let fibres = b.view(FIBRE).at(j, 0) / a.view(FIBRE).at(i, 0);
         assert!((fibres / (length(new) / length(old)) - 1.0).abs() < 0.03, "{fibres}");
-        // Nothing folds: it runs on from point to point.
+        // Nothing folds: it advances from point to point.
         for w in new.windows(3) {
             assert!((w[1] - w[0]).dot(w[2] - w[1]) > 0.0, "{new:?}");
         }
@@ -232,20 +232,20 @@ fn a_puff_that_dips_into_the_head_is_flat_there_and_its_tips_do_not_bunch() {
         for (tuft, i) in guides.each().chain(hair.each()) {
             let points = tuft.curve(i);
             let tip = points[points.len() - 1];
-            // The clearance is a tenth of a centimetre; along the second half hair rises to it.
+            // The clearance is a tenth of a centimetre; hair rises to it along its second half.
             let above = skin.distance(tip);
             assert!(above > 0.095, "{above}");
             low += usize::from(above < 0.105);
             let n = points.len();
             let way = points[3 * n / 4..].iter().map(|p| skin.distance(*p)).fold(9.0, f32::min);
             assert!(way > 0.045, "{way}");
-            // As far out as the file says.
+            // As far out as the file states.
             let told = tuft.view(PUFF_RADIUS).at(i, tuft.range(i).start);
             let far = tip.distance(tuft.view(PUFF_CENTRE).at(i, tuft.range(i).start));
             assert!((far / told - 1.0).abs() < 0.02, "{far} {told}");
         }
         assert!(low > 150, "{low} tips lie on the head, too few to tell");
-        // The distance from a tip on the head to the nearest other: a twentieth of the hairs is nearer.
+        // Distance from a tip on the head to the nearest other tip: a twentieth of the hairs is closer.
         let crowd = |hair: &Curves| {
             let tips = hair.each().map(|(tuft, i)| *tuft.curve(i).last().unwrap());
             let tips: Vec<Vec3> = tips.filter(|tip| skin.distance(*tip) < 0.11).collect();

@@ -1,14 +1,14 @@
-//! Press puffs: puffs of any nodes that meet are flat between.
+//! Press puffs: puffs of any nodes that meet are flat between each other.
 //!
-//! A puff is told by what its hair carries: the middle of its outline, and each hair's distance to it. Between every two that
-//! meet stands a plane, for spheres that of the circle they share, for other outlines the one that their reaches towards
-//! each other make alike. Hair that goes over it is bent from its tie on so that its tip comes to the plane, in the direction from the middle
-//! that it had, and slides along it.
+//! A puff is described by its hair: the centre of its outline, and each hair's distance to the outline. Between every
+//! two puffs that meet is a plane: for spheres, that of their common circle; for other outlines, the one that balances
+//! their reach toward each other. Hair that crosses it is bent beyond its tie so that its tip reaches the plane, in its
+//! original direction from the centre, and slides along the plane.
 //!
-//! Guarantees: roots, ids, numbers of points and hair that goes over no plane stay as they are; with `flatten` at 1 no
-//! point past the first quarter of a hair lies over a plane by more than 0.001 cm; what comes in which order does not matter; `puff_radius`
-//! tells the pressed outline, `fibre_length` stays in proportion. Not promised: that a hair keeps its length, or that planes are where
-//! outlines meet that are far from round.
+//! Guarantees: roots, ids, numbers of points and hair that crosses no plane stay as they are; with `flatten` at 1, no
+//! point past the first quarter of a hair is over a plane by more than 0.001 cm; the order of inputs does not matter;
+//! `puff_radius` describes the pressed outline, `fibre_length` stays in proportion. Not promised: that a hair keeps its
+//! length, or that planes are where outlines that are far from round meet.
 
 use super::press::{Wall, pressed};
 use crate::data::attributes::{Domain, FIBRE, PUFF, PUFF_CENTRE, PUFF_RADIUS};
@@ -23,52 +23,52 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Presses puffs of several nodes flat against each other where they meet.
+    /// Presses the puffs of several nodes flat against each other where they meet.
     ///
-    /// Wire the hair of all puffs into it, by way of Merge, and its own into Shape-list curl: a curl then reaches over the
-    /// plane between two puffs by no more than its own size. Puffs of one Sphere puff node can be pressed by its own
-    /// `flatten` as well. Hair that belongs to no outline goes through.
+    /// Merge the hair of all puffs and wire it here, then wire the result to Shape-list curl, so that curls cross the
+    /// plane between two puffs by no more than their own size. Sphere puff can press the puffs of one node with its own
+    /// `flatten`. Hair without an outline passes through unchanged.
     "press_puffs", version 1, label "Press puffs",
         words "flatten collide touch squash squeeze meet several between balls";
     inputs {
-        /// Hair or guides of all puffs, as Sphere puff gives them.
+        /// Hair or guides of all puffs, from Sphere puff.
         curves: Curves;
-        /// Head that pressed hair is kept out of.
+        /// Head that pressed hair stays out of.
         scalp: Option<Arc<Scalp>>;
-        /// How flat puffs are where they meet: 0 lets them overlap, 1 ends them at the plane between.
+        /// How flat puffs are where they meet: 0 lets them overlap, 1 ends them at the plane between them.
         flatten: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("press strength amount");
     }
     outputs {
-        /// The same hair, flat between the puffs.
+        /// The same hair, flattened between the puffs.
         curves: Curves;
     }
 }
 
-/// The most puffs that are pressed: each is set against every other.
+/// The most puffs that are pressed: each is tested against every other.
 const MOST_PUFFS: usize = 1024;
-/// The most hairs of a puff that tell how far it reaches.
+/// The most hairs of a puff that are used to measure its reach.
 const MOST_TOLD: usize = 4096;
-/// Share of a hair from its root within which less and less of it is pressed: its root is where it is.
+/// Fraction of a hair from its root over which pressing fades in: its root stays.
 const ROOTED: f32 = 0.25;
 
-/// Which puff a hair is of: its id and the bits of its middle, for two nodes may give one id.
+/// Identifies a puff: its id and the bits of its centre, since two nodes may use one id.
 type Which = (u64, [u32; 3]);
 
-/// What the hair of a puff tells of it.
+/// A puff, as described by its hair.
 #[derive(Default)]
 struct Puff {
     middle: Vec3,
     hairs: usize,
-    /// The farthest its outline is.
+    /// The largest distance of its outline.
     farthest: f32,
-    /// Directions of tips from the middle, with the distance of the outline there.
+    /// Directions of tips from the centre, with the distance of the outline there.
     told: Vec<(Vec3, f32)>,
 }
 
 impl Puff {
-    /// How far the outline is in a direction: as the hair that ends nearest to it tells.
+    /// Distance of the outline in a direction: from the hair with the nearest tip.
     fn reach(&self, direction: Vec3, quality: Quality) -> f32 {
-        // The hair that a preview has, whatever the quality: the plane is the same.
+        // The hair of a preview at any quality, so that the plane is the same.
         let count = match quality {
             Quality::Final => self.hairs.min(16.max(self.hairs / 10)),
             Quality::Preview => self.hairs,
@@ -208,7 +208,7 @@ impl Presser<'_> {
                         _ => p.lerp(press(*p + by * (u(k) * u(k)), u(k)), share),
                     }));
                     let before = spline.rebuild(old).map_or(0.0, |()| spline.length());
-                    // As many points as before, evenly; the tip is where it was put.
+                    // As many points as before, evenly spaced; the tip is already in place.
                     let new = &mut points[range.clone()];
                     if spline.rebuild(&way).is_ok() && before > 0.0 {
                         let (end, mut k) = (way[last], 0);
@@ -228,7 +228,7 @@ impl Presser<'_> {
                             if let Some(skin) = &skin {
                                 *p = skin.push_out(*p, 0.0).0;
                             }
-                            // Where the way turns into the plane, what goes smoothly through its points runs over it.
+                            // Where the path turns into the plane, a smooth curve through its points overshoots.
                             if k > 1 && share >= 1.0 {
                                 *p = press(*p, u(k));
                             }

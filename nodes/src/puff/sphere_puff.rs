@@ -1,15 +1,16 @@
 //! Sphere puff: hair gathered at its base that ends on a perfect sphere (Lightyear 3.2).
 //!
-//! Roots on a disc of the scalp are mapped to the sphere with their azimuth kept and areas in proportion: the share of
-//! the disc within a root is the share of the covered cap within its tip. Guides stand on rows and columns of
-//! that map; the fill takes its directions from the guides around it by slerp.
+//! Roots on a disc of the scalp are mapped to the sphere with their azimuth kept and areas in proportion: the fraction
+//! of the disc inside a root equals the fraction of the covered cap inside its tip. Guides stand on rows and columns of
+//! that map; the fill interpolates directions between the surrounding guides by slerp.
 //!
-//! Any other outline takes the sphere's place along the same directions.
+//! Any other outline replaces the sphere along the same directions.
 //!
 //! Guarantees: guides end on the sphere to 1e-4 of its radius, leave the scalp along its normal and stay outside it;
-//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its middle; with
-//! `flatten` at 1 no tip lies over the plane to another puff of the node, and none beyond a clearance of the skin. Not promised: that without it a sphere set so low that it dips into the head keeps its
-//! tips outside (they are counted in a warning).
+//! more fill only adds hairs; on a parted scalp all of a puff's hair is rooted in the section of its centre; with
+//! `flatten` at 1 no tip lies over the plane to another puff of the node, and none closer to the skin than the
+//! clearance. Not promised: that without `flatten`, a sphere low enough to dip into the head keeps its tips outside (a
+//! warning counts them).
 
 use super::outline::Outline;
 use super::press::{self, Wall};
@@ -33,122 +34,124 @@ use std::ops::Range;
 use std::sync::Arc;
 
 node! {
-    /// Makes a puff: hair rooted in a circle on the scalp, gathered by a tie, whose tips lie on a perfect sphere.
+    /// Makes a puff: hair rooted in a circle on the scalp and gathered by a tie, with its tips on a perfect sphere.
     ///
-    /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Wire a
-    /// Shape-list curl after it, with its length at `fibre` or `span`, to curl the puff without losing its outline.
+    /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Follow it
+    /// with Shape-list curl, with length at `fibre` or `span`, to curl the puff and keep its outline.
     "sphere_puff", version 1, label "Sphere puff",
         words "puff afro bun buns space pom ball bunches sphere silhouette", thins;
     inputs {
         /// Head that the puff grows on.
         scalp: Arc<Scalp>;
-        /// Curves whose roots are the middles of puffs, one puff a root. Without them there is one puff at `position`.
+        /// Curves whose roots are the centres of puffs, one puff per root. Without them, one puff sits at `position`.
         placements: Option<Curves>, words("points roots several");
-        /// Ties that puffs grow out of, one puff a tie, as Gather into tie gives them. They say where puffs are, which way they stand, and
-        /// how wide and how high they are tied: position, root radius, tie height and tightness then do not count.
+        /// Ties that puffs grow out of, one puff per tie, from Gather into tie. They set position and direction, and
+        /// replace the inputs position, root radius, tie height and tightness.
         ties: Option<Curves>, words("gather base elastic band");
-        /// Where the puff is, in head units (cm on a head of average size) from the middle of the cranium: the place on the
-        /// scalp that lies in this direction.
+        /// Position of the puff in head units from the centre of the cranium: the point of the scalp in this direction.
         position: Vec3 = Vec3::new(0.0, 8.0, -4.0), handle(Handle::Point), words("place pick centre");
         /// Radius on the scalp within which hair is rooted.
         root_radius: f32 = 3.0, hard(0.01, 30.0), soft(0.5, 8.0), unit(Length), handle(Handle::Radius), words("base section");
         /// Radius of the sphere.
         sphere_radius: f32 = 6.0, hard(0.1, 60.0), soft(2.0, 15.0), unit(Length), handle(Handle::Ball), words("size ball");
-        /// Whether the number of hairs is given, or how densely they are rooted.
+        /// Set the number of hairs, or their density at the roots.
         fill: Fill = Fill::Count;
-        /// Hairs in a puff, when given by count. More only adds hairs.
+        /// Hairs per puff, when by count. Raising it only adds hairs.
         count: i64 = 6000, hard(0.0, 1000000.0), soft(500.0, 20000.0), unit(Count), words("amount hairs strands"),
             idle(|of| unless(of, "fill", "count", "the number goes by density"));
-        /// Hairs to each square centimetre of roots, when given by density.
+        /// Hairs per square centimetre of root area, when by density.
         density: f32 = 200.0, hard(0.0, 5000.0), soft(20.0, 600.0), unit(PerCm2), words("amount hairs strands"),
             idle(|of| unless(of, "fill", "density", "the number goes by count"));
-        /// By which share hair will shrink when it is curled: `fibre_length` is so much longer than the hair's way to the sphere. A curl
-        /// that keeps the fibre's length then ends at the sphere, unless it shrinks more.
+        /// Fraction of length that hair will lose when it is curled; `fibre_length` is lengthened accordingly. A curl
+        /// that keeps the fiber length then ends at the sphere, unless it shrinks more.
         shrinkage: f32 = 0.75, hard(0.0, 0.95), soft(0.0, 0.9), unit(Ratio), words("fibre length curl");
 
         [Placement]
-        /// How deep under the sphere the outermost tips end, as a share of its radius.
+        /// Depth below the sphere at which the outermost tips end, as a fraction of its radius.
         depth_from: f32 = 0.0, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
-        /// How deep under the sphere the innermost tips end, as a share of its radius.
+        /// Depth below the sphere at which the innermost tips end, as a fraction of its radius.
         depth_to: f32 = 0.1, hard(0.0, 0.95), soft(0.0, 0.5), unit(Ratio), words("tip depth soft");
 
         [Shape]
-        /// What the tips lie on.
+        /// Outline that the tips lie on.
         shape: Shape = Shape::Sphere, words("outline silhouette ellipsoid mesh drawn trim topiary");
-        /// Half axes of the ellipsoid in sphere radii: to the puff's right, along its axis, ahead.
+        /// Half axes of the ellipsoid in sphere radii: to the puff's right, along its axis, forward.
         stretch: Vec3 = Vec3::ONE, words("ellipsoid egg oval flat wide tall"),
             idle(|of| unless(of, "shape", "ellipsoid", "the outline is no ellipsoid"));
-        /// Closed mesh that the tips lie on, where it is: a Head node that reads it, without a fit. The puff's middle is the mesh's.
+        /// Closed mesh for the tips, used at its own position: wire a Head node that reads it, with no fit. The puff is
+        /// centred on the mesh.
         mesh: Option<Arc<Scalp>>, words("volume outline topiary");
-        /// Closed outline as seen from the front, drawn round the sphere's middle.
+        /// Closed outline in front view, drawn around the sphere's centre.
         front: Option<Curves>, words("outline silhouette draw stroke");
-        /// Closed outline as seen from the side, drawn round the sphere's middle.
+        /// Closed outline in side view, drawn around the sphere's centre.
         side: Option<Curves>, words("outline silhouette draw stroke");
-        /// How flat the puffs of this node press against each other where they meet, and against the head: 0 lets them overlap, 1 ends
-        /// them at the plane between, and just over the skin. Puffs of several nodes are pressed by Press puffs.
+        /// How flat the puffs of this node are where they meet, and where they meet the head: 0 lets them overlap, 1
+        /// ends them at the plane between them and just above the skin. Press puffs does this across nodes.
         flatten: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("press collide touch");
-        /// Height of the sphere's middle over the scalp. Unset: the sphere's radius, so that it rests on the scalp.
+        /// Height of the sphere's centre above the scalp. Unset: the sphere's radius, so that it rests on the scalp.
         offset: Option<f32>, hard(0.0, 100.0), soft(0.0, 20.0), unit(Length), handle(Handle::Length), words("height centre");
-        /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 175 (the most) all but the foot.
+        /// Angle from the top of the sphere down to which tips reach: 90 degrees is the upper half, 175 (the largest)
+        /// all but the base.
         coverage: f32 = 140.0, hard(10.0, 175.0), soft(60.0, 160.0), unit(Angle), handle(Handle::Angle), words("cap cone");
-        /// How the hair runs from the tie to the sphere, from 0 (straight) to 1 (through the middle, ending square to the sphere).
+        /// Path of the hair from the tie to the sphere, from 0 (straight) to 1 (through the centre, ending square to
+        /// the sphere).
         bulge: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("round swell");
 
         [Tie]
-        /// Height over the scalp at which the hair is tied.
+        /// Height above the scalp at which the hair is tied.
         tie_height: f32 = 1.0, hard(0.0, 30.0), soft(0.0, 4.0), unit(Length), handle(Handle::Length), words("root gather band elastic");
-        /// How tightly the tie gathers the hair, from 0 (as wide as its roots) to 1 (to a point, nearly).
+        /// How tightly the tie gathers the hair, from 0 (as wide as its roots) to 1 (nearly a point).
         tightness: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("root gather band elastic");
 
         [Detail]
-        /// Rows of guides from the top down, each as far in area from the next.
+        /// Rows of guides from the top down, evenly spaced by area.
         rows: i64 = 6, hard(1.0, 200.0), soft(2.0, 16.0), unit(Count);
-        /// Guides in a row.
+        /// Guides per row.
         columns: i64 = 16, hard(3.0, 400.0), soft(6.0, 40.0), unit(Count);
-        /// Points on each curve.
+        /// CVs per curve.
         points: i64 = 24, hard(6.0, 1000.0), soft(8.0, 64.0), unit(Count), words("cvs resolution segments");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How far tips may lie within or outside the outline; most lie close to it. 0 is the clean outline.
+        /// How far tips may lie inside or outside the outline; most lie close to it. 0 is a clean outline.
         edge_softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 1.5), unit(Length), words("fuzzy halo frizz natural");
-        /// Share of hairs that reach over the outline.
+        /// Fraction of hairs that stick out of the outline.
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
-        /// How far they reach over it at most.
+        /// Largest distance by which they stick out.
         stray_length: f32 = 0.8, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("flyaways loose"),
             idle(|of| matches!(of("stray"), Some(Value::Float(0.0))).then_some("no hair strays"));
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
         /// Rows and columns of curves that end on the sphere. Their parent is the puff.
         guides: Curves;
-        /// The hair. Its parents are the nearest guides, so that a curl clumps by guide.
+        /// The hair. Its parents are the nearest guides, so curls clump by guide.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What tips lie on.
+    /// Outline that the tips lie on.
     Shape {
         /// A sphere.
         Sphere = "sphere",
-        /// A ball stretched along its three axes.
+        /// An ellipsoid with its own size along three axes.
         Ellipsoid = "ellipsoid",
         /// A closed mesh.
         Mesh = "mesh",
-        /// Outlines drawn from front and side; the sphere where one is missing.
+        /// Outlines drawn in front and side view; the sphere where one is missing.
         Drawn = "drawn",
     }
 }
 
 choice! {
-    /// What decides the number of hairs.
+    /// What sets the number of hairs.
     Fill {
-        /// So many in a puff.
+        /// Per puff.
         Count = "count",
-        /// So many to a square centimetre of roots.
+        /// Per square centimetre of root area.
         Density = "density",
     }
 }
@@ -196,13 +199,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         Fill::Density => (puffs.first().map_or(0.0, density) / (unit * unit)) as usize,
     };
     let count = cx.thinned(count.min(MOST_HAIRS));
-    // Each puff is one piece of work for its guides and one for each so many hairs.
+    // Each puff has one work item for its guides, and one for each batch of hairs.
     let pieces = 1 + count.div_ceil(HAIRS_A_PIECE);
     let key = |i: usize| {
         let puff = &puffs[i / pieces];
         let key = KeyBuilder::new("puff").int(puff.id).vec3(puff.middle.point).vec3(puff.axis);
         let key = key.vec3(puff.right).float(puff.root_radius).float(puff.tie_height);
-        // What is drawn, and the puffs beside it, are read too.
+        // Drawn outlines and neighbouring puffs are read as well.
         let key =
             [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
         let key = puff.walls.iter().map(Wall::told).fold(key, |key, (v, at)| key.vec3(v).float(at));
@@ -225,29 +228,29 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { guides, curves })
 }
 
-/// Hairs that are made in one piece of work.
+/// Hairs per work item.
 const HAIRS_A_PIECE: usize = 1024;
-/// The most hairs of one puff, whatever the density asks.
+/// The most hairs of one puff at any density.
 const MOST_HAIRS: usize = 1_000_000;
-/// Samples of a path before its CVs are spread evenly.
+/// Samples of a path before its CVs are spaced evenly.
 const SAMPLES: usize = 64;
-/// Height over the skin at which hair lies that is pressed on the head, cm on a head of average size.
+/// Height above the skin of hair pressed onto the head, cm on a head of average size.
 const CLEARANCE: f32 = 0.1;
-/// How far off the quick distance from the skin may be, cm.
+/// Largest error of the approximate distance from the skin, cm.
 const ABOUT: f32 = 0.1;
-/// Steps from the middle of a puff to a tip at which the skin is looked for, and halvings of the step in which it is found.
+/// Steps from the centre of a puff to a tip at which the skin is sampled, and bisections of the step that contains it.
 const STEPS: usize = 32;
 const HALVINGS: usize = 12;
 
-/// One puff: its place and sizes in cm, and where its guides point.
+/// One puff: its position and sizes in cm, and the directions of its guides.
 struct Puff<'a> {
     inputs: &'a Inputs,
     skin: Skin<'a>,
     id: u64,
-    /// What its hairs have as [`PUFF`].
+    /// Value of [`PUFF`] of its hairs.
     puff: u64,
     middle: Root,
-    /// Which way it stands. Unit.
+    /// Its axis. Unit.
     axis: Vec3,
     /// Axes of the root disc; azimuth 0 is `right`.
     right: Vec3,
@@ -258,10 +261,10 @@ struct Puff<'a> {
     tie_height: f32,
     /// Radius of the hair in the tie, in root radii.
     tie_width: f32,
-    /// A typed centimetre, cm.
+    /// One head unit, cm.
     unit: f32,
     outline: Outline<'a>,
-    /// Planes between it and the puffs beside it.
+    /// Planes between it and its neighbours.
     walls: Vec<Wall>,
     /// By row and column, from the sphere's centre. Unit.
     directions: Vec<Vec3>,
@@ -330,7 +333,7 @@ impl<'a> Puff<'a> {
         puff
     }
 
-    /// The outline that is asked for; a mesh also says where the middle is.
+    /// The requested outline; a mesh also sets the centre.
     fn outlined(&mut self) -> Outline<'a> {
         let inputs = self.inputs;
         match inputs.shape {
@@ -357,14 +360,14 @@ impl<'a> Puff<'a> {
         }
     }
 
-    /// How far the outline is from the middle in a direction, cm.
+    /// Distance of the outline from the centre in a direction, cm.
     fn reach(&self, direction: Vec3) -> f32 {
         let d = direction;
         let local = Vec3::new(d.dot(self.right), d.dot(self.axis), d.dot(self.ahead));
         self.outline.reach(local, self.radius)
     }
 
-    /// A tip, pressed back to the planes between this puff and those beside it, and out of the head.
+    /// A tip, pulled back to the planes between this puff and its neighbours, and out of the head.
     fn pressed(&self, tip: Vec3) -> Vec3 {
         let flatten = self.inputs.flatten;
         if flatten <= 0.0 {
@@ -376,14 +379,14 @@ impl<'a> Puff<'a> {
         self.pressed_on_head(tip)
     }
 
-    /// A tip that lies beyond the skin as seen from the puff's middle, brought back along that line to just over it: tips are
-    /// spread there as the outline's directions are, where the nearest skin would gather them.
+    /// A tip below the skin as seen from the puff's centre, pulled back along that line to just above it: tips keep the
+    /// spread of the outline's directions, where the nearest skin would bunch them up.
     fn pressed_on_head(&self, tip: Vec3) -> Vec3 {
         let (over, off) = (self.over_skin(), tip - self.centre);
         let at = |t: f32| self.centre + off * t;
         let is_low =
             |t: f32| self.skin.about(at(t)) < over + ABOUT && self.skin.distance(at(t)) < over;
-        // From a middle in the head nothing is seen.
+        // From a centre inside the head nothing is visible.
         if is_low(0.0) {
             return self.skin.lift(tip, over).0;
         }
@@ -398,17 +401,17 @@ impl<'a> Puff<'a> {
         self.skin.lift(tip.lerp(at(clear), self.inputs.flatten), over).0
     }
 
-    /// Height over the skin at which hair that is pressed on the head lies, cm; 0 where none is.
+    /// Height above the skin of hair pressed onto the head, cm; 0 if none is.
     fn over_skin(&self) -> f32 {
         CLEARANCE * self.unit * self.inputs.flatten
     }
 
-    /// Where the outline is in a direction from the middle.
+    /// The point of the outline in a direction from the centre.
     fn on_outline(&self, direction: Vec3) -> Vec3 {
         self.pressed(self.centre + direction * self.reach(direction))
     }
 
-    /// The angle from the top within which lies the share `area` of the covered cap.
+    /// The angle from the top that encloses the fraction `area` of the covered cap.
     fn polar(&self, area: f32) -> f32 {
         acos(1.0 - area * (1.0 - cos(self.inputs.coverage.to_radians())))
     }
@@ -419,7 +422,7 @@ impl<'a> Puff<'a> {
         self.axis * cos + (self.right * x + self.ahead * y) * sin
     }
 
-    /// The root under a place of the unit disc, on a parted scalp in the section of the middle.
+    /// The root at a position of the unit disc; on a parted scalp, in the section of the centre.
     fn root(&self, place: Vec2) -> Option<Root> {
         let place = place * self.root_radius;
         let over = self.middle.point + self.right * place.x + self.ahead * place.y;
@@ -476,7 +479,7 @@ impl<'a> Puff<'a> {
             let tip = self.pressed(self.centre + direction * reach);
             // Where the sphere dips into the head, hair ends on the skin.
             let tip = self.skin.push_out(tip, 0.0).0;
-            // What is seen as the outline is where the outermost tips end.
+            // The visible outline is where the outermost tips end.
             let outline = self.on_outline(direction).distance(self.centre);
             let radius = outline * self.outermost();
             self.grow(place, tip, radius, (id, self.guide_id(row, column)), &mut out);
@@ -484,13 +487,13 @@ impl<'a> Puff<'a> {
         Ok(out.build(self))
     }
 
-    /// How far out the outermost tips end, as a share of the outline.
+    /// Distance of the outermost tips from the centre, as a fraction of the outline's.
     fn outermost(&self) -> f32 {
         1.0 - self.inputs.depth_from.min(self.inputs.depth_to)
     }
 
-    /// The direction at a place of the unit disc, by slerp between the four guides around it (the axis stands for
-    /// the row within the first), and the row and column of the nearest guide.
+    /// The direction at a position of the unit disc, by slerp between the four surrounding guides (the axis replaces
+    /// the row inside the first), and the row and column of the nearest guide.
     fn between(&self, place: Vec2) -> (Vec3, (usize, usize)) {
         let (rows, columns) = (self.inputs.rows as usize, self.inputs.columns as usize);
         let area = place.length_squared().min(1.0);
@@ -502,7 +505,7 @@ impl<'a> Puff<'a> {
             0 => self.axis,
             row => self.directions[(row - 1) * columns + column % columns],
         };
-        // Rows lie evenly in area, not in angle.
+        // Rows are evenly spaced in area, not in angle.
         let angle = |row: usize| self.polar(row as f32 / rows as f32);
         let (inner, outer) = (angle(row), angle(row + 1));
         let out = ((self.polar(area) - inner) / (outer - inner)).clamp(0.0, 1.0);
@@ -512,23 +515,23 @@ impl<'a> Puff<'a> {
         (slerp(along(row), along(row + 1), out), (nearest, nearest_column))
     }
 
-    /// Adds the curve from a place of the unit disc to a tip, where the outline is this far from the middle.
+    /// Adds the curve from a position of the unit disc to a tip, where the outline is at this distance from the centre.
     fn grow(&self, place: Vec2, tip: Vec3, radius: f32, ids: (u64, u64), out: &mut Bundle) {
         let Some(root) = self.root(place) else { return };
         let up = self.axis;
         let aside = (self.right * place.x + self.ahead * place.y) * self.root_radius;
         let tie_width = self.tie_width;
         let tie = self.middle.point + up * self.tie_height + aside * tie_width;
-        // Leaving the tie towards the axis by `bulge` of the way's angle from it, a parabola ends as much away from
-        // it: square to a sphere that rests on the tie, when `bulge` is 1. Angles that grow with the distance
-        // from the axis keep their order, so hairs do not cross.
+        // A parabola that leaves the tie turned toward the axis by `bulge` times its chord's angle from the axis
+        // arrives turned away by the same angle: perpendicular to a sphere that rests on the tie, if `bulge` is 1.
+        // Angles grow with the distance from the axis and keep their order, so hairs do not cross.
         let way = tip - tie;
         let straight = way.normalize_or(up);
         let angle = acos(straight.dot(up)) * self.inputs.bulge;
         let bend = tie
             + slerp(straight, up, self.inputs.bulge) * (0.5 * way.length() / cos(angle).max(0.2));
         // From the root straight along the normal for one CV, on to the tie (a cubic), then to the tip (the parabola).
-        // All hairs of a puff do so at one pace: what differs is in proportion to the distance from the axis, which
+        // All hairs of a puff do so at the same pace: differences are proportional to the distance from the axis, which
         // keeps them in order.
         let drawn_in = 0.5 * self.root_radius * (1.0 - tie_width);
         let pace = (self.tie_height * self.tie_height + drawn_in * drawn_in).sqrt();
@@ -553,7 +556,7 @@ impl<'a> Puff<'a> {
             out.path.push(tie * (s * s) + bend * (2.0 * s * t) + tip * (t * t));
         }
         let n = out.path.len();
-        // What is pressed on the head slides along over it, from the tie on.
+        // Hair pressed onto the head slides along above it, from the tie on.
         let over = self.over_skin();
         let height = |u: f32| over * (2.0 * u - 1.0).max(0.0);
         for (k, p) in out.path[..n - 1].iter_mut().enumerate().skip(1) {
@@ -583,7 +586,7 @@ impl<'a> Puff<'a> {
 pub(super) const DIPS: &str =
     "guides end inside the head: raise the offset or lower the coverage or the sphere's radius";
 
-/// Between two unit vectors, at an even pace along the shortest arc.
+/// Interpolates two unit vectors at constant speed along the shortest arc.
 fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     let angle = acos(a.dot(b));
     if angle < 1e-3 {
@@ -592,7 +595,7 @@ fn slerp(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     ((a * sin((1.0 - t) * angle) + b * sin(t * angle)) / sin(angle)).normalize_or(a)
 }
 
-/// Puffs that know the planes to those beside them, where they press against each other.
+/// Puffs with the planes to their neighbours, where they press against each other.
 fn beside(mut puffs: Vec<Puff>) -> Vec<Puff> {
     let centres: Vec<Vec3> = puffs.iter().map(|puff| puff.centre).collect();
     for (i, puff) in puffs.iter_mut().enumerate().filter(|(_, puff)| puff.inputs.flatten > 0.0) {
@@ -602,15 +605,15 @@ fn beside(mut puffs: Vec<Puff>) -> Vec<Puff> {
     puffs
 }
 
-/// Curves of one puff while they are made.
+/// Curves of one puff under construction.
 #[derive(Default)]
 struct Bundle {
     tuft: TuftBuilder,
-    /// Own id and parent's.
+    /// Own id and the parent's.
     ids: Vec<(u64, u64)>,
     roots: Vec<Root>,
     fibres: Vec<f32>,
-    /// Distances of the outline from the middle.
+    /// Distances of the outline from the centre.
     radii: Vec<f32>,
     path: Vec<Vec3>,
     points: Vec<Vec3>,
@@ -642,7 +645,7 @@ impl Bundle {
             let is_one = |radius: &f32| (radius - all).abs() <= 1e-5 * all;
             (is_ball && self.radii.iter().all(is_one)).then(|| vec![all])
         };
-        // Of guides and of hair.
+        // For guides and for hair.
         let radii = one(puff.radius).or_else(|| one(puff.radius * puff.outermost()));
         let radii = radii.unwrap_or(self.radii);
         tuft.set(PUFF_RADIUS, Domain::Curve, radii);

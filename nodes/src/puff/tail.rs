@@ -1,7 +1,7 @@
-//! Tail: hair held by a tie goes on past it and hangs.
+//! Tail: hair held by a tie continues past it and hangs.
 //!
-//! Guarantees: roots stay, and so does the way to the tie; no point under the skin; a hair keeps its place across the
-//! tail. Not promised: that a tail rests on other hair; give it `clearance` for that.
+//! Guarantees: roots stay, and so does the path to the tie; no point below the skin; a hair keeps its place across the
+//! tail. Not promised: that a tail rests on other hair; use `clearance` for that.
 
 use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
 use super::tie::Tie;
@@ -14,10 +14,10 @@ use crate::maths::transcendental::{sin_cos, sin_cos_turns};
 use std::sync::Arc;
 
 node! {
-    /// Lets gathered hair hang from its tie: pony tails and pigtails.
+    /// Lets gathered hair hang from its tie: ponytails and pigtails.
     ///
-    /// Every hair goes on from where it left the tie, falls in an arch and hangs beside the others, resting on head, neck
-    /// and shoulders. Wire it after Gather into tie.
+    /// Each hair continues from where it left the tie, falls in an arch and hangs beside the others, resting on head,
+    /// neck and shoulders. Wire it after Gather into tie.
     "tail", version 1, label "Tail", words "ponytail pony tail pigtail bunches hang gravity fall swing updo";
     inputs {
         /// Hair gathered in ties.
@@ -26,47 +26,47 @@ node! {
         ties: Curves;
         /// The head that the tail rests on.
         scalp: Arc<Scalp>;
-        /// Length past the tie.
+        /// Length beyond the tie.
         length: f32 = 35.0, hard(0.5, 200.0), soft(5.0, 80.0), unit(Length), handle(Handle::Length);
-        /// Thickness along the tail, from tie to tip, in thicknesses of the tie.
+        /// Thickness along the tail, from tie to tip, as a multiple of the tie's.
         profile: Arc<Ramp> = profile(), hard(0.0, 100.0), soft(0.0, 2.0), words("taper fullness shape");
-        /// How much sooner hair ends that came from farther away: 1 leaves all hair as long as it grew, 0 is cut level.
+        /// How much earlier hair from farther away ends: 1 gives all hair the same total length, 0 cuts the tail level.
         layers: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("cut taper length");
 
         [Shape]
-        /// Radius of the arch in which the tail falls: large tails stand off farther before they hang.
+        /// Radius of the arch in which the tail falls. A large arch stands off farther before it hangs.
         arch: f32 = 3.0, hard(0.2, 100.0), soft(1.0, 12.0), unit(Length), words("gravity stiffness lift bounce");
-        /// How far the tail swings to the head's left, from hanging straight down; negative to its right.
+        /// How far the tail swings to the head's left from hanging straight down; negative is right.
         swing: f32 = 0.0, hard(-80.0, 80.0), soft(-30.0, 30.0), unit(Angle), words("sway motion move");
-        /// How far the tail swings back, from hanging straight down; negative forward.
+        /// How far the tail swings back from hanging straight down; negative is forward.
         swing_back: f32 = 0.0, hard(-80.0, 80.0), soft(-30.0, 30.0), unit(Angle), words("sway motion move");
-        /// How far the tail moves from side to side on its way, in a soft S.
+        /// Sideways amplitude of the tail's soft S.
         sway: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 4.0), unit(Length), words("s curve wave movement");
-        /// Length of one such S.
+        /// Length of one full S.
         sway_length: f32 = 28.0, hard(1.0, 200.0), soft(8.0, 60.0), unit(Length), words("s curve wave movement");
-        /// How far over skin the middle of the tail hangs at least, in its own radii there.
+        /// Smallest height of the tail's centre above the skin, in its own radii there.
         clearance: f32 = 0.8, hard(0.0, 10.0), soft(0.3, 2.0), words("collide rest head neck shoulders");
-        /// How fast the tail turns about itself, in degrees a cm.
+        /// Twist of the tail about itself, in degrees per cm.
         twist: f32 = 0.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
 
         [Clumping]
-        /// Locks that the tail falls into; 0: none.
+        /// Number of locks that the tail splits into; 0: none.
         locks: i64 = 40, hard(0.0, 400.0), soft(0.0, 120.0), unit(Count), words("clumps wisps strands");
-        /// How closely hairs of a lock come together at its tip.
+        /// How closely the hairs of a lock converge at its tip.
         clump: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("clumping tip wisps");
 
         [Detail]
-        /// Points on each hair, root and tip included.
+        /// CVs per hair, root and tip included.
         points: i64 = 60, hard(8.0, 250.0), soft(16.0, 120.0), unit(Count), words("cvs resolution segments");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter locks and hairs may be than others, drawn for each.
+        /// Random shortening of locks and hairs.
         uneven: f32 = 0.25, hard(0.0, 0.95), unit(Ratio), words("length variation taper random");
         /// How far locks and hairs wander from their place.
         loose: f32 = 0.25, hard(0.0, 10.0), soft(0.0, 1.5), unit(Length), words("frizz messy natural");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
@@ -104,7 +104,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves: bundle.go_on(cx, &inputs.curves)? })
 }
 
-/// The middle of a tail: out of the tie along its axis, then down in an arch, out of the skin by a share of its own
+/// Centre line of a tail: out of the tie along its axis, then down in an arch, out of the skin by a fraction of its own
 /// thickness.
 fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     let frame = inputs.scalp.frame();
@@ -121,7 +121,7 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     for k in 0..steps {
         let u = (k + 1) as f32 / steps as f32;
         let turn = (down - direction * down.dot(direction)) * (step / (inputs.arch * unit));
-        // A tail that stands straight up has no way to fall: it falls back.
+        // A tail that stands straight up has no direction to fall in: it falls back.
         let turn = if turn.length_squared() < 1e-9 && down.dot(direction) < 0.0 {
             -frame.forward * (step / (inputs.arch * unit))
         } else {
@@ -129,7 +129,7 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
         };
         direction = (direction + turn).normalize_or(down);
         let height = inputs.clearance * tie.radius * inputs.profile.at(u);
-        // Close to the tie the tail is where the tie is, however thick it gets.
+        // Close to the tie, the tail stays at the tie's height, however thick it gets.
         let height = height.min(0.8 * tie.height + 0.5 * step * k as f32);
         let next = p + direction * step;
         let (lifted, moved) = skin.lift(next, height);
@@ -168,7 +168,7 @@ mod tests {
         (curves_of(&out[0]).clone(), curves_of(&out[1]).clone())
     }
 
-    /// Base, what it became, and what was said.
+    /// Base, result, and messages.
     fn went_on(node: &str, set: &[(&str, Value)]) -> (Curves, Curves, Vec<String>) {
         let (hair, ties) = gathered();
         let given = [
@@ -243,7 +243,7 @@ mod tests {
                 ("profile", Ramp::constant(1.0).into()),
             ],
         );
-        // As far from each other at the tip as in the tie.
+        // As far apart at the tip as in the tie.
         let ends =
             |c: &Curves| c.each().map(|(t, i)| *t.curve(i).last().unwrap()).collect::<Vec<_>>();
         let (tie, tip) = (ends(&hair), ends(&out));

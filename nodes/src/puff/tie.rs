@@ -1,7 +1,7 @@
-//! Ties: where hair is held together, and how nodes hand them to one another.
+//! Ties: where hair is held together, and how nodes pass them to each other.
 //!
-//! A tie travels as a curve of two points, from its foot on the scalp to its top, with its radius and the direction that
-//! azimuths are counted from. A curve without length, or one that is not finite, is no tie and is left out.
+//! A tie travels as a curve of two points, from its foot on the scalp to its top, with its radius and the direction of
+//! azimuth 0. A curve that has no length or is not finite is not a tie and is dropped.
 
 use crate::data::attributes::{
     Domain, ID, NORMAL, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
@@ -15,22 +15,22 @@ use glam::{Vec2, Vec3};
 /// One tie, in cm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tie {
-    /// What hair held by it has as [`crate::data::attributes::PUFF`].
+    /// Value of [`crate::data::attributes::PUFF`] of the hair it holds.
     pub id: u64,
     /// The scalp under it.
     pub foot: Root,
-    /// From the foot to the top. Unit.
+    /// Direction from the foot to the top. Unit.
     pub axis: Vec3,
     /// Azimuth 0, across the axis. Unit.
     pub right: Vec3,
     /// From the foot to where hair is free again.
     pub height: f32,
-    /// Of the hair in it.
+    /// Radius of the hair in it.
     pub radius: f32,
 }
 
 impl Tie {
-    /// A tie whose azimuth starts at the right of somebody who looks from the top along `forward`.
+    /// A tie whose azimuth starts at the right of an observer who looks from the top along `forward`.
     pub(super) fn new(
         id: u64,
         foot: Root,
@@ -42,15 +42,15 @@ impl Tie {
         let ahead = across(forward, axis).unwrap_or_else(|| any_normal(axis));
         Self { id, foot, axis, right: ahead.cross(axis), height, radius }
     }
-    /// Azimuth of a quarter turn. Unit.
+    /// Direction of azimuth a quarter turn. Unit.
     pub(super) fn ahead(&self) -> Vec3 {
         self.axis.cross(self.right)
     }
-    /// The middle of the ring in which hair leaves the tie.
+    /// The centre of the ring where hair leaves the tie.
     pub(super) fn top(&self) -> Vec3 {
         self.foot.point + self.axis * self.height
     }
-    /// Where a point lies across the tie, in radii: length 1 is the ring.
+    /// Position of a point across the tie, in radii: length 1 is the ring.
     pub(super) fn place(&self, p: Vec3) -> Vec2 {
         let d = (p - self.foot.point) / self.radius.max(1e-6);
         Vec2::new(d.dot(self.right), d.dot(self.ahead()))
@@ -68,7 +68,7 @@ impl Tie {
         b.set(ROOT_UV, Domain::Curve, vec![self.foot.uv]);
         b.build()
     }
-    /// The ties that curves are; what is none is told once.
+    /// The ties that these curves describe; invalid ones are reported once.
     pub(super) fn all(cx: &EvalCx, scalp: &Scalp, curves: &Curves) -> Vec<Tie> {
         let mut out = vec![];
         for (tuft, i) in curves.each() {

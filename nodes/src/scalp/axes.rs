@@ -1,14 +1,15 @@
-//! Axes of a mesh file: which one points up, and which one the face looks along.
+//! Axes of a mesh file: which one points up, and which one the face points along.
 //!
-//! Heads are Y up inside the program; what a file has up is turned there. Names are the file's.
+//! Heads are Y up inside the program; files with another axis up are rotated on reading. Axis names are those of the
+//! file.
 
 use crate::define::choice;
 use glam::Vec3;
 
 choice! {
-    /// The file's axis that points up.
+    /// Axis of the file that points up.
     Up {
-        /// Y up, as most files have it.
+        /// Y up, as in most files.
         Y = "y",
         /// Z up.
         Z = "z",
@@ -24,21 +25,21 @@ choice! {
 }
 
 choice! {
-    /// The file's axis that the face looks along.
+    /// Axis of the file that the face points along.
     Forward {
-        /// Where the face looks, as found.
+        /// Detected from the face.
         Auto = "auto",
-        /// Along the file's X.
+        /// The file's +X.
         PlusX = "+x",
-        /// Against the file's X.
+        /// The file's -X.
         MinusX = "-x",
-        /// Along the file's Y.
+        /// The file's +Y.
         PlusY = "+y",
-        /// Against the file's Y.
+        /// The file's -Y.
         MinusY = "-y",
-        /// Along the file's Z.
+        /// The file's +Z.
         PlusZ = "+z",
-        /// Against the file's Z.
+        /// The file's -Z.
         MinusZ = "-z",
     }
 }
@@ -48,7 +49,7 @@ impl Up {
     pub(crate) const ALL: [Self; 6] =
         [Self::Y, Self::Z, Self::X, Self::MinusY, Self::MinusZ, Self::MinusX];
 
-    /// A point or direction of a file with this axis up, in Y up. The same person in a file with Z up looks along -Y.
+    /// Converts a point or direction of a file with this axis up to Y up. The same person in a file with Z up faces -Y.
     pub(crate) fn turned(self, p: Vec3) -> Vec3 {
         match self {
             Self::Y => p,
@@ -82,7 +83,7 @@ impl Forward {
         (Vec3::NEG_Z, "-z"),
     ];
 
-    /// The file's axis; none where the face is to be found.
+    /// The file's axis; `None` if the face is to be detected.
     pub(crate) fn axis(self) -> Option<Vec3> {
         Some(match self {
             Self::Auto => return None,
@@ -94,7 +95,7 @@ impl Forward {
             Self::MinusZ => Vec3::NEG_Z,
         })
     }
-    /// The name of the file's axis that lies along `way` once the file is turned to Y up.
+    /// Name of the file's axis that lies along `way` after the file is rotated to Y up.
     pub(crate) fn name_of(way: Vec3, up: Up) -> &'static str {
         Self::AXES
             .into_iter()

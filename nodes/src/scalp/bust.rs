@@ -1,21 +1,21 @@
-//! The built-in adult bust: head, neck and shoulders to groom on where no mesh is given.
+//! The built-in adult bust: head, neck and shoulders, used while no mesh is given.
 //!
-//! [`adult`] decodes a mesh that is part of the program. It is of our own making, modelled in code by
-//! `examples/make_bust` after published averages of adult heads, and shows no one in particular.
-//! Centimetres, Y up, +Z forward, the origin at the centre of the cranium sphere (radius 8.9).
+//! [`adult`] decodes a mesh that is part of the program. It is our own, modeled in code by `examples/make_bust` from
+//! published averages of adult heads, and depicts no one in particular. Centimetres, Y up, +Z forward, origin at the
+//! centre of the cranium sphere (radius 8.9).
 //!
-//! Guarantees, each with a test below: closed, manifold, one part, exactly mirror-symmetric; materials
-//! `skin`, `lips`, `eyes` and `iris`; one uv tile in which nothing overlaps; a painted mask `hairline`; eight
-//! landmarks. The same bits on every machine: decoding divides and compares, nothing else.
-//! Not guaranteed: vertex numbers and uvs from one version of the program to the next.
+//! Guarantees, each with a test below: closed, manifold, one part, exactly mirror-symmetric; materials `skin`, `lips`,
+//! `eyes` and `iris`; one UV tile without overlaps; a painted mask `hairline`; eight landmarks. The same bits on every
+//! machine: decoding only divides and compares. Not guaranteed: vertex numbers and UVs from one version of the program
+//! to the next.
 //!
 //! Layout of `bust.bin`, little-endian, without padding:
-//! - 8 bytes `COIFBUST`; u32 counts: points, wedges, triangles, materials; u32 triangles of each
-//!   material, in the order of `MATERIALS` (triangles are sorted by it); u32 masks;
+//! - 8 bytes `COIFBUST`; u32 counts: points, wedges, triangles, materials; u32 triangles of each material, in the order
+//!   of `MATERIALS` (triangles are sorted by it); u32 masks;
 //! - points, then the landmarks in the order of `LANDMARKS`: f32 x, y, z each;
-//! - wedges (a point with a uv): u32 point, f32 u, f32 v;
-//! - triangles: three u16 wedge numbers each, counter-clockwise seen from outside;
-//! - masks in the order of `MASKS`: one u8 a point, in 255ths.
+//! - wedges (a point with a UV): u32 point, f32 u, f32 v;
+//! - triangles: three u16 wedge numbers each, counterclockwise seen from outside;
+//! - masks in the order of `MASKS`: one u8 per point, in 255ths.
 
 use crate::data::mesh::Mesh;
 use glam::{Vec2, Vec3};
@@ -34,7 +34,7 @@ const LANDMARKS: [&str; 8] = [
     "chin",
 ];
 
-/// Walks over the embedded bytes. The file is part of the program, so a short one is a bug: it panics.
+/// Reads the embedded bytes. The file is part of the program, so a short one is a bug: it panics.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
@@ -62,7 +62,7 @@ impl Reader<'_> {
     }
 }
 
-/// The counts, and the reader set on the first point.
+/// The counts, and a reader positioned at the first point.
 fn open() -> (Reader<'static>, [usize; 3], [usize; 4], usize) {
     let mut read = Reader(BYTES);
     assert_eq!(&read.take::<8>(), b"COIFBUST", "bust.bin is not the bust");
@@ -155,7 +155,7 @@ mod tests {
         assert!((is / wanted - 1.0).abs() < 0.03, "{what}: {is}, wanted {wanted}");
     }
 
-    /// Least squares of |p|^2 = 2 c.p + k, weighed by area.
+    /// Least squares of |p|^2 = 2 c.p + k, weighted by area.
     fn sphere(parts: &[(P, f64)]) -> (P, f64) {
         let mut m = [[0.0f64; 5]; 4];
         for (q, w) in parts {
@@ -237,7 +237,7 @@ mod tests {
         }
         let (v, e, f) = (mesh.points.len(), edges.len() / 2, mesh.triangles.len());
         assert_eq!(v + f, e + 2, "not like a ball, or in several parts");
-        // Around each point one fan.
+        // One fan around each point.
         let mut spokes: BTreeMap<u32, BTreeMap<u32, u32>> = BTreeMap::new();
         for t in &mesh.triangles {
             for k in 0..3 {
@@ -288,7 +288,7 @@ mod tests {
         for (t, (_, area)) in mesh.triangles.iter().zip(faces(&mesh)) {
             let [a, b, c] = t.map(|i| p(&mesh, i));
             let long = len(sub(a, b)).max(len(sub(b, c))).max(len(sub(c, a)));
-            // Height over the longest edge, as a share of it.
+            // Height over the longest edge, as a fraction of it.
             assert!(2.0 * area / (long * long) > 0.02, "{a:?} {b:?} {c:?}");
         }
     }
@@ -401,7 +401,7 @@ mod tests {
 
     #[test]
     fn a_tape_above_the_brow_reads_56_to_58_cm() {
-        // Over the brow ridge and the back of the head, above the ears; the tape leans little.
+        // Over the brow ridge and the back of the head, above the ears; the tape tilts slightly.
         let tape = tape(&adult(), &|q| q[1] + 0.2 - 0.03 * q[2]);
         println!("circumference {tape:.2}");
         assert!((56.0..=58.0).contains(&tape), "{tape}");
@@ -484,7 +484,7 @@ mod tests {
     fn the_hairline_crosses_the_midline_at_0_43_r_in_front_and_0_77_r_below_behind() {
         let mesh = adult();
         let mask = &mesh.masks["hairline"];
-        // Where the mask is one half along the middle line.
+        // Where the mask is one half along the midline.
         let crossing = |front: bool| {
             let mut line: Vec<(f32, f32)> = (0..mask.len())
                 .filter(|i| mesh.points[*i].x == 0.0 && (mesh.points[*i].z > 0.0) == front)

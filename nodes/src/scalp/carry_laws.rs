@@ -1,4 +1,4 @@
-//! What a head guarantees to a groom that was made on another one.
+//! Guarantees of a head to a groom that was made on another one.
 
 use super::landmark_laws::{HEADS, of};
 use crate::data::landmarks::Landmark;
@@ -9,7 +9,7 @@ use crate::testing::{curves_of, head, run};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The landmarks of a head as its `home` takes them.
+/// The landmarks of a head in the form that its `home` takes.
 fn text(scalp: &Scalp) -> Value {
     scalp.landmarks().to_string().as_str().into()
 }
@@ -53,7 +53,7 @@ fn a_groom_at_home_keeps_its_bits() {
 fn strokes_names_and_places_go_by_the_map_and_lengths_by_the_frame() {
     let home = head(&[]);
     let Some(there) = of(HEADS[3], &[("home", text(&home))]) else { return };
-    // From landmark to landmark at home is from landmark to landmark there.
+    // From landmark to landmark on the home head is from landmark to landmark there.
     let at = |scalp: &Scalp, mark| scalp.landmarks().get(mark).unwrap();
     use Landmark::*;
     for (a, b) in [(Front, LeftTemple), (LeftTemple, LeftEar), (LeftEar, Nape), (Nape, RightEar)] {
@@ -76,7 +76,7 @@ fn strokes_names_and_places_go_by_the_map_and_lengths_by_the_frame() {
         let line = curves.tufts()[0].curve(0);
         let own = |mark| there.frame().point_from_head(at(&there, mark));
         let off = [line[0].distance(own(a)), line[line.len() - 1].distance(own(b))];
-        // (Strokes are smoothed, and their last point with them.)
+        // (Strokes are smoothed, including their last point.)
         assert!(off[0] < 0.01 && off[1] < 0.1, "{a:?} {b:?}: {off:?}");
         let radius = curves.tufts()[0].view(crate::data::attributes::RADIUS).at(0, 0);
         assert!((radius - there.frame().unit()).abs() < 1e-6, "{radius}");

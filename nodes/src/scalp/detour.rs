@@ -1,12 +1,13 @@
-//! Ways over the scalp that would lead over what is none, above all an ear, go round it on the side of the crown.
+//! Leads paths over the scalp around what is not scalp, above all ears, on the crown's side.
 //!
-//! A way is a taut string on the flat map of the scalp: where it lies over bare skin, or over scalp that an ear stands before,
-//! it is lifted towards the top of the head, or the crown, until it is over open scalp, and what comes before and after is lifted with it so far
-//! that the string has no hollow. Straight up first, because an ear leans back: towards the crown what begins before an ear
-//! may be lifted into it.
+//! A path is a taut string on the flat map of the scalp. Where it lies over bare skin, or over scalp in front of which
+//! an ear stands, it is lifted toward the top of the head, or the crown, until it is over open scalp; the parts before
+//! and after are lifted as well, so that the string has no dent. Straight up comes first, because an ear leans back:
+//! toward the crown, a path that begins in front of an ear might be lifted into it.
 //!
-//! Guarantees: both ends stay; a way over open scalp stays as it is. Not promised: anything where no scalp lies between a place
-//! and the top of the head; such a way stays as it is. Points are not on the skin afterwards, only over or under it.
+//! Guarantees: both ends stay; a path over open scalp stays as it is. Not promised: a detour where there is no scalp
+//! between a point and the top of the head; such a path stays as it is. The points are afterward only above or below
+//! the skin, not on it.
 
 use super::lay::Polyline;
 use crate::data::chart::{CELL, Chart, cell_of};
@@ -14,45 +15,45 @@ use crate::data::scalp::{Scalp, Skin};
 use crate::maths::transcendental::{acos, sin_cos};
 use glam::{Vec2, Vec3};
 
-/// Farther from the skin than this (cm on a head of average size) nothing is said to stand before it.
+/// Objects farther from the skin than this (cm on a head of average size) do not count as standing in front of it.
 const BEFORE: f32 = 5.0;
-/// How far a way keeps from what it goes round, on the map (a cranium of 8.9 cm has 8.9 cm to the unit).
+/// Distance of a path from what it avoids, on the map (a cranium of 8.9 cm has 8.9 cm per unit).
 const MARGIN: f32 = 0.06;
-/// Bare skin narrower than this is not worth a detour, on the map.
+/// Bare skin narrower than this needs no detour, on the map.
 const NARROW: f32 = 0.03;
-/// Ways are lifted no farther, radians.
+/// Paths are lifted at most this far, radians.
 const FARTHEST: f32 = 0.8;
-/// How often a lifted way is looked at again.
+/// How often a lifted path is tested again.
 const ROUNDS: usize = 4;
-/// Places looked at from one point of a way to the next.
+/// Samples between two points of a path.
 const FINE: usize = 4;
 
-/// Which way what lies over an ear is lifted.
+/// Direction in which a path over an ear is lifted.
 #[derive(Clone, Copy)]
 pub(crate) enum Towards {
     /// Straight up, as hair is combed.
     Top,
-    /// To the crown, which is the middle of the map.
+    /// Toward the crown, the centre of the map.
     Crown,
 }
 
-/// Where scalp is open.
+/// Where the scalp is open.
 pub(crate) struct Detour<'a> {
     chart: &'a Chart,
     open: Vec<bool>,
-    /// The way to the top of the head.
+    /// Direction of the top of the head.
     top: Vec3,
-    /// The way to the middle of the map.
+    /// Direction of the centre of the map.
     crown: Vec3,
 }
 
 impl<'a> Detour<'a> {
-    /// Looks at all of a scalp.
+    /// Examines the whole scalp.
     pub(crate) fn new(scalp: &'a Scalp, skin: &Skin) -> Self {
         let (chart, unit) = (scalp.chart(), scalp.frame().unit());
         let open = chart.spots().iter().map(|spot| {
             let out = (spot.point - chart.origin()).normalize_or_zero();
-            // The ray first: so far out, the distance field is known nowhere yet, and making it is dear.
+            // Rays first: this far out, the distance field is not computed yet, and computing it is expensive.
             let clear = |p: Vec3| {
                 scalp.surface().ray(p - out * (0.95 * unit), out, BEFORE * unit).is_none()
                     || skin.about(p) > 0.9 * unit
@@ -70,12 +71,12 @@ impl<'a> Detour<'a> {
         }
     }
 
-    /// The most that what lies at `q` is lifted, radians.
+    /// The largest lift at `q`, radians.
     fn most(&self, q: Vec2, towards: Towards) -> f32 {
         FARTHEST.min(acos(self.chart.direction(q).dot(self.pole(towards))))
     }
 
-    /// The place `far` radians above `q` on the arc to where it is lifted.
+    /// The point `far` radians above `q` along the arc of its lift.
     fn above(&self, q: Vec2, far: f32, towards: Towards) -> Vec2 {
         let (direction, pole) = (self.chart.direction(q), self.pole(towards));
         let up = (pole - direction * pole.dot(direction)).normalize_or_zero();
@@ -92,7 +93,7 @@ impl<'a> Detour<'a> {
         self.is_open(self.chart.flat(p))
     }
 
-    /// How far up the open scalp is from `q`; none where there is none.
+    /// Distance up from `q` to open scalp; `None` if there is none.
     fn off(&self, q: Vec2, towards: Towards) -> Option<f32> {
         if self.is_open(q) {
             return Some(0.0);
@@ -108,7 +109,7 @@ impl<'a> Detour<'a> {
         None
     }
 
-    /// Leads a way round what is not open; tells whether it had to. Its points are even then.
+    /// Leads a path around what is not open; returns whether it had to. Its points are then evenly spaced.
     pub(crate) fn lead(&self, way: &mut [Vec3], towards: Towards) -> bool {
         let Some(last) = way.len().checked_sub(1).filter(|last| *last > 1) else { return false };
         let mut fine: Vec<Vec3> = Vec::with_capacity(last * FINE + 1);
@@ -119,7 +120,7 @@ impl<'a> Detour<'a> {
         let flat: Vec<Vec2> = fine.iter().map(|p| self.chart.flat(*p)).collect();
         let off: Option<Vec<f32>> = flat.iter().map(|q| self.off(*q, towards)).collect();
         let Some(mut off) = off else { return false };
-        // A root under the edge of an ear comes out from under it; a braid beside one is where it is.
+        // A root below the edge of an ear comes out from under it; a braid beside one stays.
         (off[0], off[last * FINE]) = (0.0, 0.0);
         if off.iter().all(|far| *far == 0.0) {
             return false;
@@ -127,7 +128,7 @@ impl<'a> Detour<'a> {
         let inner = 1..last * FINE;
         let lifted = |i: usize, far: f32| self.above(flat[i], far, towards);
         let mut string = taut(&off);
-        // What was lifted only because its neighbours were may have come under the ear by it.
+        // What was lifted only because of its neighbours may now be under the ear.
         for _ in 0..ROUNDS {
             let mut under = false;
             for i in inner.clone() {
@@ -155,7 +156,7 @@ impl<'a> Detour<'a> {
     }
 }
 
-/// The least values that are nowhere below the given ones and have no hollow: a string pulled taut over them.
+/// The smallest values that are nowhere below the given ones and have no dent: a taut string over them.
 fn taut(values: &[f32]) -> Vec<f32> {
     let mut posts: Vec<usize> = vec![];
     for (i, value) in values.iter().enumerate() {

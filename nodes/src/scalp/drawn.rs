@@ -1,7 +1,8 @@
-//! The regions that were drawn on a head: closed strokes and names, told what does not fit.
+//! Drawn regions of a head: closed strokes and names, with messages for what does not fit.
 //!
-//! methods.md 0.1. Each stroke is closed, laid on the skin and cut along its triangles ([`crate::data::outline`]); it encloses the
-//! smaller of its two sides, unless a name's point stands on the other. Strokes inside another are holes.
+//! methods.md 0.1. Each stroke is closed, laid on the skin and cut along its triangles ([`crate::data::outline`]); it
+//! encloses the smaller of its two sides, unless a name's point is on the other. Strokes inside another stroke are
+//! holes.
 
 use crate::data::drawn::Drawn;
 use crate::data::laid::{LEAST_POINTS, Laid, place};
@@ -18,18 +19,18 @@ use std::sync::Arc;
 /// The most named regions of a head.
 const MOST_NAMES: usize = 256;
 
-/// What strokes enclose and what is called how.
+/// Strokes and names, as given by the head node.
 pub(super) struct Wish<'a> {
     pub(super) strokes: &'a Strokes,
     /// Names, each with a point in head units, as text.
     pub(super) names: &'a str,
     /// Width of the edge, cm.
     pub(super) softness: f32,
-    /// For each vertex whether it is outer skin, 0 or 1.
+    /// For each vertex, whether it is outer skin: 0 or 1.
     pub(super) may: Vec<f32>,
 }
 
-/// The region where hair grows, first, and the named ones.
+/// The region where hair grows first, then the named ones.
 pub(super) fn regions(
     cx: &EvalCx,
     net: &Net,
@@ -52,7 +53,7 @@ pub(super) fn regions(
     if outlines.is_empty() {
         return Err(NodeError::failed("no hairline is drawn: draw a closed stroke"));
     }
-    // What lies inside what: the innermost has the most about it.
+    // Nesting of lines: the innermost has the most lines around it.
     let holds = |outer: &Outline, inner: &Outline| {
         let pieces = inner.pieces();
         let mut seen = pieces.iter().step_by(pieces.len().div_ceil(64).max(1));
@@ -96,7 +97,7 @@ pub(super) fn regions(
     Ok(out)
 }
 
-/// Which lines each name means. A name's point that is in none turns the nearest.
+/// The lines that each name refers to. A name whose point is in no line inverts the nearest.
 fn names(
     cx: &EvalCx,
     net: &Net,
@@ -143,7 +144,7 @@ fn names(
     named
 }
 
-/// An area with three digits that count.
+/// An area with three significant digits.
 pub(super) fn area(cm2: f32) -> String {
     let digits = [0.995, 9.95, 99.5].iter().filter(|most| cm2 < **most).count();
     format!("{cm2:.digits$} cm2")

@@ -1,12 +1,13 @@
-//! Which way a face looks, and whether there is one.
+//! Finds the direction of a face, and whether there is one.
 //!
-//! The outline of a head (how far it reaches from the vertical axis through its cranium, level by level, all round) is
-//! mirrored in every vertical plane through the centre; the plane in which it is most alike goes through the face. Which of
-//! the plane's two ends has the face is told by likeness to the face of the built-in bust: noses, sockets and cheeks stand
-//! out where hair does not. A bun may reach farther than a nose, and the corner of a pair of glasses may too.
+//! The outline of a head (its extent from the vertical axis through its cranium, level by level, in all directions) is
+//! mirrored in every vertical plane through the centre; the plane with the best match passes through the face. Which
+//! end of the plane has the face is decided by likeness to the face of the built-in bust: noses, eye sockets and cheeks
+//! have relief that hair does not have. Reach alone would not do: a bun may reach farther than a nose, and so may the
+//! corner of a pair of glasses.
 //!
-//! Guarantees: bounded work for any mesh; level, unit directions. Not promised: a face on a head that has none, or whose face
-//! is covered; [`Face::likeness`] tells.
+//! Guarantees: bounded work for any mesh; level, unit directions. Not promised: a face on a head that has none, or
+//! whose face is covered; [`Face::likeness`] detects that.
 
 use super::bust;
 use super::fit::{self, CELL, Fit};
@@ -19,84 +20,84 @@ use std::sync::OnceLock;
 /// A face, or what was taken for one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face {
-    /// Where it looks: level and unit.
+    /// Its direction: level and unit.
     pub(crate) looks: Vec3,
-    /// How that was found.
+    /// How it was found.
     pub(crate) by: By,
-    /// How much it is like the bust's, -1 to 1: people have 0.7 and more, other sides of heads and hair 0.4 and less.
+    /// Likeness to the bust's face, -1 to 1: people have 0.7 and more, other sides of heads and hair 0.4 and less.
     pub(crate) likeness: f32,
 }
 
 /// How a face was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum By {
-    /// In the plane that the head mirrors in.
+    /// In the head's mirror plane.
     Mirror,
-    /// By its likeness alone, on a head that mirrors in no plane.
+    /// By likeness alone, on a head without a mirror plane.
     Likeness,
-    /// Towards the point farthest from the vertical axis, for want of anything else.
+    /// Toward the point farthest from the vertical axis, as a last resort.
     Farthest,
 }
 
-/// What is as like a face as this is one.
+/// Anything with at least this likeness is a face.
 pub(crate) const FACE: f32 = 0.55;
 
-/// An end that is so much more like a face than the other has it, though neither is much like one: a face with hardly a nose.
+/// An end that exceeds the other's likeness by this much has the face, even if both are low: a face with hardly a nose.
 const CLEARLY: f32 = 0.2;
 
-/// Levels that the outline of a head is taken at, from [`LOW`] to [`HIGH`] about the centre, in radii.
+/// Levels of a head's outline, from [`LOW`] to [`HIGH`] around the centre, in radii.
 const LEVELS: usize = 18;
 const LOW: f32 = -1.2;
 const HIGH: f32 = 0.6;
-/// Directions that it is taken in, and those of them that a face is looked at in, 48 degrees to each side of its middle ...
+/// Directions of the outline, and the number of them that a face covers, 48 degrees to each side of its centre ...
 const DIRECTIONS: usize = 240;
 const WINDOW: usize = 64;
-/// ... and the same of a glimpse, with the cells that its outline is taken from, in radii.
+/// ... and the same for a glimpse, with the size of the cells of its outline, in radii.
 const FEW_DIRECTIONS: usize = 60;
 const SMALL_WINDOW: usize = 16;
 const LARGE_CELL: f32 = 1.0 / 10.0;
-/// So many cells are enough for it.
+/// Number of cells that suffices for it.
 const ENOUGH: usize = 12_000;
-/// What is farther from the vertical axis is no head, in radii.
+/// Largest distance of a head from the vertical axis, in radii.
 const WIDEST: f32 = 1.7;
-/// The nose is below this, in radii.
+/// The nose is below this level, in radii.
 const UNDER_BROWS: f32 = -0.1;
-/// What is less alike than this on both sides counts no more: a parting, the frame of a pair of glasses, half a shoulder.
+/// Differences between both sides are capped at this value: a parting, the frame of a pair of glasses, half a shoulder.
 const UNLIKE: f32 = 0.15;
-/// The nose is not farther than this from the plane in which the head mirrors, as a part of all directions.
+/// Largest angle between nose and mirror plane, as a fraction of all directions.
 const NOSE: usize = 40;
 
-/// A face is looked at on these levels: from the chin to the middle of the forehead ...
+/// Levels of a face: from the chin to the middle of the forehead ...
 const FACE_LEVELS: std::ops::Range<usize> = 1..16;
-/// ... and may lie so many levels higher or lower than the bust's.
+/// ... which may be this many levels higher or lower than the bust's.
 const HIGHER: isize = 3;
-/// What stands out farther than this counts no more, in radii ...
+/// Relief is capped at this value, in radii ...
 const OUT: f32 = 0.2;
-/// ... and what stands out by less is smooth.
+/// ... and below this value counts as smooth.
 const SMOOTH: f32 = 0.01;
-/// How much a direction is doubted in whose plane the head mirrors no better than usual.
+/// Penalty of a direction whose plane is no better a mirror plane than average.
 const MIRRORS: f32 = 0.5;
-/// A head mirrors in a plane in which its outline is unlike by no more than this part of what is usual ...
+/// A mirror plane has at most this fraction of the average mismatch ...
 const IS_MIRROR: f32 = 0.5;
-/// ... and by no more than this, seen roughly.
+/// ... and at most this fraction in the rough test.
 const HARDLY_MIRRORS: f32 = 0.75;
-/// Of so many directions at a level at least this share must be known.
+/// Fraction of the directions at a level that must be known.
 const KNOWN: f32 = 0.66;
 
-/// How far a head reaches from its vertical axis, in radii: by level and direction; 0 where nothing is.
+/// Extent of a head from its vertical axis, in radii, by level and direction; 0 where there is nothing.
 struct Outline<const N: usize, const W: usize> {
     levels: Vec<[f32; N]>,
-    /// The way to the farthest point below the brows.
+    /// Direction to the farthest point below the brows.
     farthest: Vec3,
 }
 
 type Fine = Outline<DIRECTIONS, WINDOW>;
 type Coarse = Outline<FEW_DIRECTIONS, SMALL_WINDOW>;
 
-/// What stands out of a face, level by level, once what is round about it is taken off; none where too little is known.
+/// Relief of a face, level by level, with its surroundings subtracted; `None` where too little is known.
 type Relief<const W: usize> = [Option<[f32; W]>; LEVELS];
 
-/// Where the face of a head with this cranium looks; none where nothing is below its brows.
+/// The direction of the face of a head with this cranium; `None` if there is nothing below its brows.
 pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option<Face> {
     let outline = Fine::of(points, triangles, fit, CELL, usize::MAX);
     let unlike = outline.unlike();
@@ -104,7 +105,7 @@ pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option
         let ends = [0, 1].map(|end| best + end * DIRECTIONS);
         let alike = ends.map(|way| outline.likeness(way, bust_face()));
         let reach = ends.map(|way| outline.reach(way));
-        // A cap of hair mirrors in two planes, and has no face below its brows.
+        // A cap of hair has two mirror planes, and no face below its brows.
         if reach[0].max(reach[1]) == 0.0 {
             return None;
         }
@@ -125,8 +126,8 @@ pub(crate) fn face(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit) -> Option
     outline.most_alike(&unlike).or_else(farthest)
 }
 
-/// How much there may be a face at all, on a head with this cranium: its likeness seen roughly, in the plane that the head
-/// mirrors in or `anywhere`; -1 where there is none.
+/// Rough score for a face on a head with this cranium: its likeness in the mirror plane, or `anywhere`; -1 if there is
+/// none.
 pub(crate) fn glimpse(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit, anywhere: bool) -> f32 {
     static FACE: OnceLock<Relief<SMALL_WINDOW>> = OnceLock::new();
     let face = FACE.get_or_init(|| Coarse::of_bust(LARGE_CELL, ENOUGH).relief(0));
@@ -148,7 +149,7 @@ pub(crate) fn glimpse(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit, anywhe
 }
 
 impl<const N: usize, const W: usize> Outline<N, W> {
-    /// From cells of this size, and no many more of them than are `enough`.
+    /// From cells of this size, and not many more than `enough`.
     fn of(points: &[Vec3], triangles: &[[u32; 3]], fit: &Fit, cell: f32, enough: usize) -> Self {
         let points: Vec<Vec3> = points.iter().map(|p| (*p - fit.centre) / fit.radius).collect();
         let mut levels = vec![[0.0f32; N]; LEVELS];
@@ -173,20 +174,20 @@ impl<const N: usize, const W: usize> Outline<N, W> {
         Self { levels, farthest }
     }
 
-    /// That of the built-in bust.
+    /// The outline of the built-in bust.
     fn of_bust(cell: f32, enough: usize) -> Self {
         let bust = bust::adult();
-        // Its cranium is where its own description says.
+        // Its cranium is known from its description.
         let fit = Fit { centre: Vec3::ZERO, radius: HEAD_RADIUS, ..Fit::default() };
         Self::of(&bust.points, &bust.triangles, &fit, cell, enough)
     }
 
-    /// How little the outline is alike on both sides of each vertical plane. Plane `k` goes through the edges between
-    /// directions: the k-th half direction from +z.
+    /// Mismatch of both sides of each vertical plane. Plane `k` passes through the edges between directions: the k-th
+    /// half direction from +z.
     fn unlike(&self) -> [f32; N] {
         let mut all = [0.0; N];
         for level in &self.levels {
-            // All planes side by side, so that processors add several at a time.
+            // All planes side by side, for vectorization.
             let twice: Vec<f32> = level.iter().chain(level).copied().collect();
             let mut here = [0.0; N];
             for (i, out) in level.iter().enumerate() {
@@ -200,7 +201,7 @@ impl<const N: usize, const W: usize> Outline<N, W> {
         all
     }
 
-    /// How far it reaches about a half direction, below the brows.
+    /// Its extent around a half direction, below the brows.
     fn reach(&self, way: usize) -> f32 {
         let faces = ((UNDER_BROWS - LOW) / (HIGH - LOW) * LEVELS as f32) as usize;
         let about = way / 2 + N;
@@ -209,13 +210,13 @@ impl<const N: usize, const W: usize> Outline<N, W> {
         levels.flat_map(|level| near.clone().map(|i| level[i % N])).fold(0.0, f32::max)
     }
 
-    /// What stands out about a half direction.
+    /// Relief around a half direction.
     fn relief(&self, way: usize) -> Relief<W> {
         let ahead = |i: usize| (way / 2 + N + i - W / 2) % N;
         std::array::from_fn(|at| standing_out(std::array::from_fn(|i| self.levels[at][ahead(i)])))
     }
 
-    /// How much what lies about a half direction is like a face, the bust's, -1 to 1.
+    /// Likeness of the relief around a half direction to the bust's face, -1 to 1.
     fn likeness(&self, way: usize, face: &Relief<W>) -> f32 {
         let mine = self.relief(way);
         let whole: f32 = face[FACE_LEVELS].iter().flatten().flatten().map(|x| x * x).sum();
@@ -235,8 +236,8 @@ impl<const N: usize, const W: usize> Outline<N, W> {
 }
 
 impl Fine {
-    /// Where it is most like a face of all directions; none where it is like one nowhere. An ear is like a nose, but no head
-    /// mirrors in the plane through its ears.
+    /// The most facelike of all directions; `None` if no direction resembles a face. An ear resembles a nose, but no
+    /// head has a mirror plane through its ears.
     fn most_alike(&self, unlike: &[f32]) -> Option<Face> {
         let usual = median(unlike).max(f32::MIN_POSITIVE);
         let all = (0..2 * DIRECTIONS).step_by(2).map(|way| (way, self.likeness(way, bust_face())));
@@ -249,14 +250,14 @@ impl Fine {
     }
 }
 
-/// The plane in which an outline mirrors: turns about the axis to one of its ends, and the nearest half direction; none where
-/// it is about as much alike in every plane.
+/// The mirror plane of an outline: the angle about the axis to one of its ends, and the nearest half direction; `None`
+/// if all planes match about equally.
 fn mirror(unlike: &[f32]) -> Option<(f32, usize)> {
     let best = least(unlike);
     if unlike[best] > IS_MIRROR * median(unlike) {
         return None;
     }
-    // Between planes: the bottom of the parabola through it and its neighbours.
+    // Between planes: the minimum of the parabola through it and its neighbours.
     let side = |by: usize| unlike[(best + by) % DIRECTIONS];
     let (before, after) = (side(DIRECTIONS - 1), side(1));
     let bend = before + after - 2.0 * unlike[best];
@@ -264,7 +265,7 @@ fn mirror(unlike: &[f32]) -> Option<(f32, usize)> {
     Some((0.5 * (best as f32 + part) / DIRECTIONS as f32, best))
 }
 
-/// The first of the least.
+/// The first of the smallest.
 fn least(of: &[f32]) -> usize {
     (0..of.len()).min_by(|a, b| of[*a].total_cmp(&of[*b])).unwrap_or(0)
 }
@@ -281,7 +282,7 @@ fn bust_face() -> &'static Relief<WINDOW> {
     RELIEF.get_or_init(|| Fine::of_bust(CELL, usize::MAX).relief(0))
 }
 
-/// What is left of a level once its height, slope and bend are taken off; none where too little of it is known.
+/// A level after subtracting its offset, slope and curvature; `None` if too little of it is known.
 fn standing_out<const N: usize>(mut level: [f32; N]) -> Option<[f32; N]> {
     let known = level.map(|x| x > 0.0);
     if (known.iter().filter(|known| **known).count() as f32) < KNOWN * N as f32 {

@@ -1,31 +1,31 @@
-//! Which faces of a head look the wrong way, patch by patch.
+//! Finds the inverted triangles of a head, patch by patch.
 //!
-//! Files put together from several sources have parts inside out beside others that are not. What is seen of a head from
-//! outside and above shows its front; a patch that shows its back there is turned. A patch is what hangs together by edges of two
-//! triangles, which go along their edge in opposite ways where they are turned alike.
+//! Files assembled from several sources have inverted parts next to correct ones. Seen from outside and above, a head
+//! shows its front; a patch that shows its back is flipped. A patch is a set of triangles connected by edges of exactly
+//! two triangles, with consistent winding.
 //!
-//! Guarantees: bounded work; nothing is turned where all that is seen shows its front, or where a patch is seen from both
-//! sides, as a sheet or a card of hair is. Not promised: parts that are hardly seen from outside stay as they are.
+//! Guarantees: bounded work; nothing is flipped if everything visible shows its front, or if a patch is seen from both
+//! sides, like a hair card. Not promised: parts that are hardly visible from outside stay as they are.
 
 use crate::define::NodeError;
 use crate::maths::closest::Surface;
 use crate::maths::frame::round_about;
 use glam::Vec3;
 
-/// Lines of sight from each side, along both axes of a square about the head ...
+/// Lines of sight from each side, along both axes of a square around the head ...
 const LINES: usize = 20;
-/// ... that reaches so far from the middle of the cranium, in radii.
+/// ... that extends this far from the centre of the cranium, in radii.
 const ABOUT: f32 = 2.0;
-/// Less than this part of what is seen may show its back, turned or not: holes and flaws.
+/// Less than this fraction of the visible surface may show its back, flipped or not: holes and flaws.
 const FLAWS: f32 = 0.02;
-/// A patch is told by so many lines of sight at least, and by this part of all ...
+/// A patch needs at least this many lines of sight, and this fraction of all ...
 const FEWEST: u32 = 8;
 const PART: f32 = 0.05;
-/// ... of which so many times more show one side than the other.
+/// ... with this many times more on one side than on the other.
 const CLEARLY: u32 = 3;
 
-/// For each triangle whether it is to be turned round, on a head whose cranium has this middle and radius, cm; none where none
-/// is. `check` is called now and then and may stop the work.
+/// For each triangle, whether to flip it, on a head with a cranium of this centre and radius, cm; `None` if none is
+/// flipped. `check` is called now and then and may stop the work.
 pub(crate) fn turned(
     surface: &Surface,
     middle: Vec3,
@@ -52,7 +52,7 @@ pub(crate) fn turned(
     }
     check()?;
     let mut patches = Patches::of(&surface.triangles);
-    // How often each patch shows the back and the front of the triangle that it goes by.
+    // How often each patch shows the back and the front of its representative triangle.
     let mut shown = vec![[0u32; 2]; surface.triangles.len()];
     for (t, back) in &seen {
         let (patch, unlike) = patches.find(*t);
@@ -77,12 +77,13 @@ pub(crate) fn turned(
     Ok((mends as f32 > FLAWS * seen.len() as f32).then_some(turned))
 }
 
-/// Triangles that hang together by edges of two; each knows one that it hangs on, and whether it is turned unlike that one.
+/// Triangles connected by edges of exactly two; each links to another one of its patch, with whether their windings
+/// differ.
 struct Patches(Vec<(u32, bool)>);
 
 impl Patches {
     fn of(triangles: &[[u32; 3]]) -> Self {
-        // Each edge, whether its triangle goes along it upwards, and that triangle.
+        // Each edge, whether its triangle traverses it upward, and that triangle.
         let mut sides: Vec<(u32, u32, u32, bool)> = Vec::with_capacity(3 * triangles.len());
         for (t, [a, b, c]) in (0u32..).zip(triangles) {
             for (a, b) in [(*a, *b), (*b, *c), (*c, *a)] {
@@ -102,12 +103,12 @@ impl Patches {
         patches
     }
 
-    /// The triangle that the patch of a triangle goes by, and whether this one is turned unlike that one.
+    /// The representative triangle of a patch, and whether this one's winding differs from it.
     fn find(&mut self, t: u32) -> (u32, bool) {
         let (mut at, mut unlike) = (t, false);
         while self.0[at as usize].0 != at {
             let (next, differs) = self.0[at as usize];
-            // Half the way is skipped next time.
+            // Path halving.
             let (after, differs_too) = self.0[next as usize];
             self.0[at as usize] = (after, differs ^ differs_too);
             unlike ^= differs ^ differs_too;
@@ -122,7 +123,7 @@ mod tests {
     use super::*;
     use crate::data::scalp::tests::ball;
 
-    /// What is turned on a ball whose triangles are turned beforehand where `flips` says so, beside another ball as it is.
+    /// What is flipped on a ball whose triangles were inverted where `flips` says so, next to an unchanged ball.
     fn found(flips: impl Fn(usize, usize) -> bool) -> (Option<Vec<bool>>, usize) {
         let ball = ball();
         let (points, triangles) = (&ball.surface().points, &ball.surface().triangles);

@@ -1,11 +1,11 @@
-//! Which of a mesh's pieces is the head, where its cranium is and where its face looks.
+//! Finds which connected piece of a mesh is the head, its cranium and its face.
 //!
-//! Avatars bring hair, hats and glasses of their own. A sphere laid through all of them is the hair's and not the head's, so
-//! every large piece is tried alone: the one that has a whole cranium and a face is the head. Where the whole mesh gives the same
-//! answer, that one stands.
+//! Avatars come with hair, hats and glasses. A sphere fitted to all of them fits the hair, not the head, so every large
+//! piece is tried alone: the one with a whole cranium and a face is the head. If the whole mesh gives the same result,
+//! that result is used.
 //!
-//! Guarantees: bounded work for any mesh ([`MOST_TRIED`] pieces). Not promised: a head that is one piece with what stands
-//! on it has the sphere of both; [`Fit::is_bare`] tells.
+//! Guarantees: bounded work for any mesh ([`MOST_TRIED`] pieces). Not promised: a head in one piece with what stands on
+//! it gets the sphere of both; [`Fit::is_bare`] detects that.
 
 use super::axes::Up;
 use super::face::{self, By, FACE, Face};
@@ -16,57 +16,59 @@ use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// What hangs together by common vertices.
+/// Connected pieces of a mesh: triangles that share vertices.
 pub(crate) struct Pieces {
     /// The piece of each triangle.
     pub(crate) of: Vec<u32>,
-    /// The area of each piece, largest first, in squares of the mesh's units.
+    /// The area of each piece, largest first, in squared mesh units.
     areas: Vec<f64>,
-    /// The triangles piece by piece, and where each piece starts among them.
+    /// Triangles sorted by piece, and the start of each piece.
     sorted: Vec<u32>,
     starts: Vec<u32>,
 }
 
-/// So many of the largest pieces are tried.
+/// Number of the largest pieces that are tried.
 const MOST_TRIED: usize = 24;
-/// Without so many of the largest, each by itself, all the others are tried.
+/// Number of the largest pieces that are left out, one at a time, while all others are tried together.
 const MOST_WITHOUT: usize = 8;
-/// What is as like a face as this, seen roughly, may be one when it is looked at ...
+/// A candidate with this likeness to a face in the rough test may be one after a closer look ...
 const PROMISING: f32 = 0.4;
-/// ... and so many of the likeliest are ...
+/// ... and this many of the likeliest are examined ...
 const MOST_LOOKED_AT: usize = 4;
-/// ... as long as they may be more like one than what was found: what is seen roughly is less off than this ...
+/// ... as long as they may beat the best one found: the rough test is off by less than this ...
 const DOUBT: f32 = 0.15;
-/// ... and, but for the likeliest, as long as no more cells than these were looked at; a face is worth so many of them.
+/// ... and, except for the likeliest, as long as fewer cells than this were examined; a face costs as much as this
+/// many.
 const MOST_SPENT: usize = 24_000_000;
 const COST_OF_A_FACE: usize = 2_000_000;
-/// What is as like a face as this, seen roughly, and so many radii beside a head is another head.
+/// A candidate with this likeness in the rough test, this many radii away from a head, is another head.
 const SURELY: f32 = 0.65;
 const APART: f32 = 1.5;
-/// A head has at least this share of the surface of the largest: of a dressed body it has a tenth, and an eye a fiftieth of it.
+/// Smallest area of a head relative to the largest piece: a head has a tenth of a dressed body, and an eye a fiftieth
+/// of a head.
 const LEAST_AREA: f64 = 0.025;
-/// So much of the sphere's upper half is covered by a whole cranium.
+/// Fraction of the sphere's upper half that a whole cranium covers.
 const WHOLE: f32 = 0.85;
-/// The sphere of the whole mesh stands where it is as near as this to that of the head alone, in radii ...
+/// The sphere of the whole mesh is used if it agrees with that of the head alone to this many radii ...
 const SAME_SPHERE: f32 = 0.002;
-/// ... and the face so near, as a cosine: 10 degrees.
+/// ... and the directions of the face to this cosine: 10 degrees.
 const SAME_FACE: f32 = 0.985;
 
-/// A head as it was found.
+/// The result of a search for the head.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Found {
-    /// The cranium; none where no sphere fits.
+    /// The cranium; `None` if no sphere fits.
     pub(crate) fit: Option<Fit>,
-    /// The face; none where there is nothing to take for one.
+    /// The face; `None` if nothing resembles one.
     pub(crate) face: Option<Face>,
-    /// The piece that is the head; none where none is by itself.
+    /// The piece that is the head; `None` if no single piece is.
     pub(crate) piece: Option<u32>,
-    /// Pieces that are heads too, beside this one.
+    /// Other pieces that are also heads.
     pub(crate) others: Vec<u32>,
 }
 
 impl Found {
-    /// Whether it has a whole cranium, and a face in the plane that it mirrors in.
+    /// Whether it has a whole cranium, and a face in its mirror plane.
     pub(crate) fn is_sure(&self) -> bool {
         self.likeness() >= FACE
             && self.fit.is_some_and(|fit| fit.cover >= WHOLE)
@@ -76,7 +78,7 @@ impl Found {
     pub(crate) fn is_bare(&self) -> bool {
         self.fit.is_some_and(|fit| fit.is_bare())
     }
-    /// How much its face is like one; -1 where it has none or no cranium.
+    /// Likeness of its face; -1 without a face or cranium.
     pub(crate) fn likeness(&self) -> f32 {
         match (&self.fit, &self.face) {
             (Some(fit), Some(face)) if fit.head_like() => face.likeness,
@@ -109,7 +111,7 @@ impl Which {
     }
 }
 
-/// A mesh to find a head in, and what may still be spent on it.
+/// A mesh to find a head in, and the remaining work budget.
 pub(crate) struct Search<'a> {
     /// In the file's axes.
     points: &'a [Vec3],
@@ -119,15 +121,14 @@ pub(crate) struct Search<'a> {
     spent: usize,
 }
 
-/// What is tried with one axis up: the mesh's points, and each part that seems to be a head, likeliest first, with how much it
-/// seems so.
+/// Candidates with one axis up: the mesh's points, and each part that may be a head, likeliest first, with its score.
 pub(crate) struct Tried {
     up: Up,
     points: Vec<Vec3>,
     seeming: Vec<Seeming>,
 }
 
-/// A part of the mesh that may be a head: how much so, and its sphere, seen roughly.
+/// A part of the mesh that may be a head: its score, and its sphere from the rough test.
 #[derive(Clone, Copy)]
 struct Seeming {
     which: Which,
@@ -136,30 +137,30 @@ struct Seeming {
 }
 
 impl Tried {
-    /// How much the likeliest part seems to be a head; -1 where none does.
+    /// Score of the likeliest part; -1 if there is none.
     pub(crate) fn promises(&self) -> f32 {
         self.seeming.first().map_or(-1.0, |seeming| seeming.likeness)
     }
-    /// Which axis is up.
+    /// The axis that is up.
     pub(crate) fn up(&self) -> Up {
         self.up
     }
 }
 
 impl<'a> Search<'a> {
-    /// In a mesh with `points` in the file's axes.
+    /// Searches a mesh with `points` in the file's axes.
     pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], pieces: &'a Pieces) -> Self {
         let sketch = Sketch::of(points, triangles, pieces);
         Self { points, triangles, pieces, sketch, spent: 0 }
     }
 
-    /// How many cells were looked at so far, and what faces are worth in them.
+    /// Number of cells examined so far, and the cost of faces in cells.
     #[cfg(test)]
     pub(crate) fn spent(&self) -> usize {
         self.spent
     }
 
-    /// The mesh with an axis up, seen roughly. `check` is called now and then and may stop the work.
+    /// The rough test with one axis up. `check` is called now and then and may stop the work.
     pub(crate) fn try_up(
         &self,
         up: Up,
@@ -175,7 +176,7 @@ impl<'a> Search<'a> {
         Ok(tried)
     }
 
-    /// Those parts that seem to be heads, likeliest first.
+    /// Parts that may be heads, likeliest first.
     fn seeming(
         &self,
         tried: &Tried,
@@ -214,7 +215,7 @@ impl<'a> Search<'a> {
         (Cow::Owned(points), Cow::Owned(triangles))
     }
 
-    /// What a part of the mesh is as a head.
+    /// A part of the mesh, examined as a head.
     fn one(
         &mut self,
         tried: &Tried,
@@ -232,8 +233,8 @@ impl<'a> Search<'a> {
         Ok(Found { fit, face, ..Found::default() })
     }
 
-    /// The best of those parts that seem to be heads; none where none is one. One that is much more like a head than those
-    /// after it can be stands.
+    /// The best of these candidates; `None` if none is a head. A candidate that is far more likely than the later ones
+    /// can be is accepted at once.
     fn best(
         &mut self,
         tried: &Tried,
@@ -249,7 +250,7 @@ impl<'a> Search<'a> {
             }
             let found = self.one(tried, *which, check)?;
             let likeness = found.likeness();
-            // Of equals the first piece.
+            // Of equal candidates, the first piece.
             let first = best.as_ref().is_some_and(|(other, _)| *which < *other);
             if found.is_sure() && (likeness > before || (likeness == before && first)) {
                 best = Some((*which, found));
@@ -258,7 +259,7 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// The head of the mesh. Whether it is `likely` that there is one says how much is tried.
+    /// The head of the mesh. `likely` (whether there is one) sets how much is tried.
     pub(crate) fn head(
         &mut self,
         tried: &Tried,
@@ -286,7 +287,7 @@ impl<'a> Search<'a> {
             });
             return Ok(Found { piece: Some(piece), others: others.collect(), ..found });
         }
-        // No piece is a head by itself, as where face and skull are two: one may stand in the way of the others.
+        // No piece alone is a head, as when face and skull are separate: one piece may be in the way of the others.
         let mut best = whole;
         if !likely || (best.is_sure() && best.is_bare()) {
             return Ok(best);
@@ -296,7 +297,7 @@ impl<'a> Search<'a> {
         if let Some((_, found)) = self.best(tried, &seeming, best.likeness() + 0.05, check)? {
             best = found;
         }
-        // A head may be cut off under its hair. Then the sphere is the hair's, and the face still the head's.
+        // A head may be cut off under its hair. The sphere is then the hair's, and the face still the head's.
         if let Some(fit) = best.fit.filter(|fit| fit.head_like() && best.likeness() < FACE) {
             let mut seeming = vec![];
             for which in large.map(Which::Only) {
@@ -319,7 +320,7 @@ impl<'a> Search<'a> {
 }
 
 impl Seeming {
-    /// Whether it is surely a head, and another one than that of this cranium.
+    /// Whether it is clearly a head, and a different one from that of this cranium.
     fn is_besides(&self, fit: &Fit) -> bool {
         let apart = self.fit.centre.distance(fit.centre) / fit.radius;
         let is_head = self.fit.head_like() && self.fit.cover >= WHOLE && self.likeness >= SURELY;
@@ -327,7 +328,7 @@ impl Seeming {
     }
 }
 
-/// Those that seem most to be heads, likeliest first.
+/// The likeliest candidates, best first.
 fn most(mut seeming: Vec<Seeming>) -> Vec<Seeming> {
     seeming.retain(|seeming| seeming.likeness >= PROMISING);
     seeming.sort_by(|a, b| b.likeness.total_cmp(&a.likeness).then(a.which.cmp(&b.which)));
@@ -391,7 +392,7 @@ impl Pieces {
     pub(crate) fn count(&self) -> usize {
         self.areas.len()
     }
-    /// Those that are large enough to be a head.
+    /// Pieces large enough to be a head.
     pub(crate) fn large(&self) -> std::ops::Range<u32> {
         let least = LEAST_AREA * self.areas.first().copied().unwrap_or(0.0);
         let large = self.areas.iter().take(MOST_TRIED).filter(|area| **area >= least);
@@ -399,7 +400,7 @@ impl Pieces {
     }
 }
 
-/// The mesh of some triangles alone.
+/// A mesh of only some triangles.
 fn only<'t>(
     points: &[Vec3],
     triangles: impl Iterator<Item = &'t [u32; 3]>,
@@ -419,12 +420,12 @@ fn only<'t>(
     (kept, own)
 }
 
-/// What stands over the crown no farther than this counts, in radii from the centre ...
+/// Parts over the crown count up to this distance from the centre, in radii ...
 const REACH: f32 = 2.5;
-/// ... and nothing nearer to the skin than this: a second scalp that hair is to grow on.
+/// ... and from this distance off the skin: anything nearer is a second scalp that hair is to grow on.
 const OVER: f32 = 0.04;
 
-/// For each triangle the patches of the sphere in which it stands over the crown, one bit each; none for skin.
+/// For each triangle, the patches of the sphere in which it stands over the crown, one bit each; none for skin.
 pub(crate) fn over_the_crown(
     points: &[Vec3],
     triangles: &[[u32; 3]],

@@ -1,35 +1,35 @@
-//! Where the cranium is, and how many centimetres a file's unit has.
+//! Fits the cranium, and derives how many centimetres a unit of the file has.
 //!
-//! methods.md 0.1. The sphere is fitted by integrating over triangles, so that neither the density of the
-//! mesh nor a random seed moves it: large triangles are cut into cells of a fortieth of the radius, small
-//! ones count by their area. Everything here works in the file's units, Y up.
+//! methods.md 0.1. The sphere is fitted by integrating over triangles, so that neither mesh density nor a random seed
+//! affects it: large triangles are split into cells of a fortieth of the radius, small ones count by area. Everything
+//! here is in the file's units, Y up.
 //!
-//! Guarantees: the same sphere for the same surface however it is triangulated (to about 1e-3 r), bounded work for any
-//! mesh. Not promised: that a mesh which is no head gets a sensible sphere; [`Fit::p50`] tells.
+//! Guarantees: the same sphere for the same surface, however it is triangulated (to about 1e-3 r); bounded work for any
+//! mesh. Not promised: a sensible sphere for a mesh that is not a head; [`Fit::p50`] detects that.
 
 use crate::define::NodeError;
 use crate::maths::transcendental::atan2;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// The cranium sphere and how well the crown lies on it.
+/// The cranium sphere, and how well the crown fits it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Fit {
     /// Centre, in the mesh's units.
     pub(crate) centre: Vec3,
     /// Radius, in the mesh's units.
     pub(crate) radius: f32,
-    /// Half of the surface above the centre is not farther from the sphere than this part of its radius.
+    /// Half of the surface above the centre is within this distance of the sphere, as a fraction of its radius.
     pub(crate) p50: f32,
     /// The same for 95 % of that surface.
     pub(crate) p95: f32,
-    /// How much of the sphere above its centre has surface near it, 0 to 1.
+    /// Fraction of the sphere above its centre with surface near it, 0 to 1.
     pub(crate) cover: f32,
-    /// Whether most of the crown's triangles face inwards.
+    /// Whether most triangles of the crown face inward.
     pub(crate) inside_out: bool,
 }
 
-/// A piece of the surface: its triangle, its middle and its area.
+/// A cell of the surface: its triangle, centre and area.
 #[derive(Clone, Copy)]
 pub(crate) struct Cell {
     pub(crate) of: u32,
@@ -37,37 +37,38 @@ pub(crate) struct Cell {
     pub(crate) area: f32,
 }
 
-/// The part of the height, from the top down, that the first sphere is laid through.
+/// Fraction of the height, from the top down, that the first sphere is fitted to.
 const CAP: f32 = 0.06;
-/// How far from the top point's axis that part may lie, in heights: wide enough for the cap of any cranium
+/// Distance from the top point's axis up to which that part counts, in heights: wide enough for the cap of any cranium
 /// (0.16 on a bust), narrow enough to leave out a raised hand.
 const CAP_REACH: f32 = 0.2;
-/// How far below the top the cranium counts, in radii.
+/// Depth below the top up to which the cranium counts, in radii.
 const DOWN: f32 = 0.9;
-/// How far off the last sphere the surface may be to count, in radii.
+/// Distance from the last sphere up to which surface counts, in radii.
 const SHELL: f32 = 0.15;
-/// The fit ends when a step moves it less than this, in radii.
+/// The fit ends when a step moves it by less than this, in radii.
 const STILL: f32 = 1e-5;
-/// ... and after so many steps, or so many cells looked at in all of them, at the latest: a fine scan of 100,000 triangles needs 10 million.
+/// ... or at the latest after this many steps, or this many examined cells: a fine scan of 100,000 triangles needs 10
+/// million.
 const MOST_STEPS: usize = 100;
 const MOST_SPENT: usize = 14_000_000;
-/// The surface is cut anew where the radius is so many times that it was cut for.
+/// The surface is split anew if the radius falls below this fraction of the one it was split for.
 const SMALLER: f32 = 0.7;
 const LARGER: f32 = 1.4;
 /// The same for a rough fit ...
 const ROUGHLY: f32 = 2e-3;
 const MOST_ROUGH_STEPS: usize = 16;
-/// ... which needs no more than so many samples.
+/// ... which needs no more samples than this.
 const MOST_SAMPLES: usize = 2048;
-/// Cells that a triangle is cut into have edges of at most this, in radii.
+/// Largest edge of the cells that a triangle is split into, in radii.
 pub(crate) const CELL: f32 = 1.0 / 40.0;
-/// Most parts along a triangle's edge, so that a giant triangle cannot make millions of cells ...
+/// Most cells along a triangle's edge, so that a giant triangle cannot make millions of cells ...
 const MOST_PARTS: f32 = 64.0;
-/// ... and most cells of a mesh, beside one for each triangle: a head has some tens of thousands.
+/// ... and most cells of a mesh, besides one per triangle: a head has some tens of thousands.
 const MOST_CELLS: f32 = 4e5;
 
-/// Fits the cranium sphere; none where the mesh has no surface that a sphere fits to. `check` is called now and
-/// then and may stop the work. What it costs is added to `spent`.
+/// Fits the cranium sphere; `None` if the mesh has no surface that a sphere fits. `check` is called now and then and
+/// may stop the work. Its cost is added to `spent`.
 pub(crate) fn cranium(
     points: &[Vec3],
     triangles: &[[u32; 3]],
@@ -81,7 +82,7 @@ pub(crate) fn cranium(
     if !(height > 0.0 && height.is_finite()) {
         return Ok(None);
     }
-    // From here on the top point is the origin and the height is 1, which is what f32 likes best.
+    // From here on, the top point is the origin and the height is 1, which suits f32 best.
     let points: Vec<Vec3> = points.iter().map(|p| (*p - top) / height).collect();
     let cap = cells(&points, triangles, -CAP, 0.3 * CAP);
     let cut = |radius: f32| {
@@ -98,15 +99,15 @@ pub(crate) fn cranium(
     Ok(Some(Fit { centre: top + centre * height, radius: radius * height, ..fit }))
 }
 
-/// The same by samples of a surface, each of the area about it, with this top point and height: where the sphere is to a part
-/// in a hundred, and what is told of it roughly. Which way faces look is not known.
+/// The same from area samples of a surface, with this top point and height: the sphere to about a percent, and rough
+/// statistics. The facing of triangles is unknown.
 pub(crate) fn rough(samples: impl Iterator<Item = Cell>, top: Vec3, height: f32) -> Option<Fit> {
     if !(height > 0.0 && height.is_finite()) {
         return None;
     }
     let samples: Vec<Cell> =
         samples.map(|cell| Cell { at: (cell.at - top) / height, ..cell }).collect();
-    // Samples follow each other all over the surface, and so do some of them at equal steps.
+    // Samples are spread in order all over the surface, and so is every n-th of them.
     let cut = |radius: f32| {
         let above = || samples.iter().filter(|cell| cell.at.y > -2.2 * radius);
         let every = above().count().div_ceil(MOST_SAMPLES).max(1);
@@ -115,14 +116,14 @@ pub(crate) fn rough(samples: impl Iterator<Item = Cell>, top: Vec3, height: f32)
     let fit = fitted(samples.clone(), cut, ROUGHLY, MOST_ROUGH_STEPS, &mut 0).ok().flatten();
     let (surface, centre, radius) = fit?;
     let fit = judged(&surface, centre, radius, |_| Vec3::ZERO);
-    // Few samples leave patches empty by chance: at least this share of a whole crown's.
+    // With few samples, some patches are empty by chance: at least this fraction of a whole crown's.
     let count = surface.iter().filter(|cell| cell.at.y > centre.y).count().max(1) as f32;
     let cover = fit.cover * (1.0 + Patches::COUNT as f32 / count);
     Some(Fit { centre: top + centre * height, radius: radius * height, cover, ..fit })
 }
 
-/// The sphere of a surface whose top point is the origin and whose height is 1, from its `cap` on; `cut` is the surface above
-/// 2.2 radii under the top. With the surface that was cut last; none where no sphere fits.
+/// The sphere of a surface whose top point is the origin and whose height is 1, starting from its `cap`; `cut` is the
+/// surface above 2.2 radii below the top. Also returns the last split surface; `None` if no sphere fits.
 fn fitted(
     cap: Vec<Cell>,
     cut: impl Fn(f32) -> Result<Vec<Cell>, NodeError>,
@@ -134,7 +135,7 @@ fn fitted(
     let first = least_squares(cap.iter().filter(in_cap));
     let Some((mut centre, mut radius)) = first else { return Ok(None) };
     drop(cap);
-    // A nearly flat cap gives any radius at all; a head is never wider than the mesh is high.
+    // A nearly flat cap fits any radius; a head is never wider than the mesh is high.
     if !(0.02..=0.6).contains(&radius) {
         radius = radius.clamp(0.02, 0.6);
         centre = Vec3::NEG_Y * radius;
@@ -145,7 +146,7 @@ fn fitted(
         if !(SMALLER..LARGER).contains(&(radius / cut_for)) {
             surface = cut(radius)?;
             cut_for = radius;
-            // No other cell can count before the next cut.
+            // No other cell can count before the next split.
             let may_count = |c: &&Cell| c.at.y > -1.01 * DOWN * LARGER * radius;
             upper = surface.iter().filter(may_count).copied().collect();
             *spent += 2 * surface.len();
@@ -198,7 +199,7 @@ fn judged(surface: &[Cell], centre: Vec3, radius: f32, normal: impl Fn(u32) -> V
     }
 }
 
-/// Patches of equal size that a sphere is cut into above its centre: four bands, each in 24 round the axis.
+/// Equal-area patches of the sphere above its centre: four bands, each divided into 24 around the axis.
 pub(crate) struct Patches;
 
 impl Patches {
@@ -206,10 +207,10 @@ impl Patches {
     pub(crate) const COUNT: usize = Self::BANDS * Self::ROUND;
     const BANDS: usize = 4;
     const ROUND: usize = 24;
-    /// Those more than 30 degrees above the centre, one bit each.
+    /// Patches more than 30 degrees above the centre, one bit each.
     pub(crate) const UPPER: u128 = !0 << (Self::BANDS / 2 * Self::ROUND);
 
-    /// The patch in a direction from the centre; none below it.
+    /// The patch in a direction from the centre; `None` below it.
     pub(crate) fn above(way: Vec3) -> Option<usize> {
         let way = way.try_normalize().filter(|way| way.y > 0.0)?;
         let band = ((way.y * Self::BANDS as f32) as usize).min(Self::BANDS - 1);
@@ -260,9 +261,9 @@ pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32
     out
 }
 
-/// The sphere |p - c|^2 = r^2 of least squared error of that equation: one linear system, so a step needs no
-/// start and cannot be stuck. (The sphere of least squared *distance* is 0.7 to 1.7 % larger on three heads,
-/// for it weighs brows and ears more.)
+/// The sphere |p - c|^2 = r^2 that minimises the squared error of that equation: one linear system, so it needs no
+/// initial guess and cannot get stuck. (The sphere that minimises the squared *distance* is 0.7 to 1.7 % larger on
+/// three heads, since it weights brows and ears more.)
 fn least_squares<'a>(cells: impl Iterator<Item = &'a Cell>) -> Option<(Vec3, f32)> {
     let mut sums = Sums::default();
     for cell in cells {
@@ -275,9 +276,9 @@ fn least_squares<'a>(cells: impl Iterator<Item = &'a Cell>) -> Option<(Vec3, f32
     (centre.is_finite() && radius.is_finite() && radius > 0.0).then_some((centre, radius))
 }
 
-/// What the normal equations of a weighted least squares problem in four unknowns are made of: sums of products of each two of a
-/// row and its value, row by row, of which the other half mirrors it, for products of two f32 are exact. In one list, which
-/// compilers turn into two at a time.
+/// Accumulated normal equations of a weighted least-squares problem in four unknowns: sums of products of every two
+/// entries of a row and its value, as the upper triangle, since products of two f32 are exact. Stored as one list,
+/// which compilers vectorize two at a time.
 #[derive(Default)]
 struct Sums([f64; 14]);
 
@@ -302,12 +303,12 @@ impl Sums {
     }
 }
 
-/// Normal equations of such a problem, of which the part under the diagonal is not filled in.
+/// Normal equations of such a problem, without the part below the diagonal.
 #[derive(Default)]
 struct Normal([[f64; 5]; 4]);
 
 impl Normal {
-    /// By elimination with pivots; none when the rows do not determine the unknowns.
+    /// Elimination with pivoting; `None` if the rows do not determine the unknowns.
     fn solve(mut self) -> Option<[f32; 4]> {
         let m = &mut self.0;
         let half = *m;
@@ -336,12 +337,12 @@ impl Normal {
     }
 }
 
-/// Fits worse than this (half of the crown farther off than this part of the radius) are no human cranium: heads
+/// Fits worse than this (half of the crown farther off than this fraction of the radius) are not a human cranium: heads
 /// have 0.04 to 0.05, a rat 0.11, a cow 0.21.
 pub(crate) const HEAD_LIKE: f32 = 0.08;
 
-/// Where the last 5 % of the crown are farther off than this, something stands on it: bald heads have 0.11 to 0.16, one
-/// with hair sculpted on it 0.19, one with a bun or a pony tail 0.27 to 0.5.
+/// If the last 5 % of the crown are farther off than this, something stands on it: bald heads have 0.11 to 0.16, one
+/// with sculpted hair 0.19, one with a bun or ponytail 0.27 to 0.5.
 pub(crate) const BARE: f32 = 0.2;
 
 impl Fit {
@@ -359,19 +360,18 @@ impl Fit {
     }
 }
 
-/// A radius that a person's cranium can have, cm.
+/// Plausible radius of a human cranium, cm.
 pub(crate) const BELIEVED: std::ops::RangeInclusive<f32> = 6.0..=12.0;
 
-/// Units that files are in, as centimetres and a name, likeliest first.
+/// Units of files, as centimetres and a name, likeliest first.
 const UNITS: [(f32, &str); 4] = [(1.0, "cm"), (100.0, "m"), (0.1, "mm"), (2.54, "in")];
 
-/// The unit in which a cranium of this radius is a person's.
+/// The unit in which a cranium of this radius is human.
 pub(crate) fn unit_of_radius(radius: f32) -> Option<(f32, &'static str)> {
     UNITS.into_iter().find(|(cm, _)| BELIEVED.contains(&(radius * cm)))
 }
 
-/// The unit that the height of a mesh's box suggests: metres up to 2, centimetres up to 200, else
-/// millimetres.
+/// The unit suggested by the height of a mesh's bounding box: metres up to 2, centimetres up to 200, else millimetres.
 pub(crate) fn unit_of_height(height: f32) -> (f32, &'static str) {
     match height {
         h if h < 2.0 => (100.0, "m"),
@@ -387,8 +387,8 @@ mod tests {
 
     #[test]
     fn slivers_by_the_thousand_make_no_more_cells_than_a_head() {
-        // The wall of a cylinder, 1 high and 2 pi round, of 2000 slivers as high as it is. Cut as finely as asked, each makes
-        // 64 x 64 cells: 8 million in all.
+        // The wall of a cylinder, 1 high and 2 pi around, of 2000 slivers as high as it is. Split as finely as asked,
+        // each makes 64 x 64 cells: 8 million in all.
         let at = |k: u32, high: f32| {
             let (sin, cos) = sin_cos_turns(k as f32 / 1000.0);
             Vec3::new(sin, high, cos)

@@ -1,9 +1,8 @@
-//! Head: the mesh that hair grows on, its size, where it looks and where its scalp is.
+//! Head: the mesh that hair grows on, with its size, the direction of its face, and its scalp region.
 //!
-//! methods.md 0.1. The mesh keeps its place: it is scaled to centimetres about its origin (and turned to Y up when its
-//! file has Z up), and the head frame says where the cranium is. Hair stored in that frame fits every
-//! head. Any mesh that its reader accepts gives a scalp; one without a cranium keeps its own
-//! coordinates and says so.
+//! methods.md 0.1. The mesh stays in place: it is scaled to centimetres about its origin (and rotated to Y up if its
+//! file has Z up), and the head frame locates the cranium. Hair stored in that frame fits every head. Every mesh that a
+//! reader accepts gives a scalp; one without a cranium keeps its own coordinates, with a message.
 
 use super::axes::{Forward, Up};
 use super::face::{By, FACE};
@@ -29,73 +28,77 @@ use std::sync::Arc;
 node! {
     /// The head that hair grows on: the built-in bust or a mesh file.
     ///
-    /// A sphere is fitted to the cranium; its centre, its radius and the direction of the face make the head frame, in
-    /// which strokes and partings are stored, so that a groom finds its place on another head. Units, axes,
-    /// size and the region where hair grows are found by themselves, and every one can be set by hand.
+    /// A sphere fitted to the cranium and the direction of the face define the head frame: x to the head's left, y up,
+    /// z forward, in head units (cm on a head of average size). Strokes and partings are stored in that frame, so a
+    /// groom transfers to another head. Units, axes, size and the region where hair grows are detected; every one can
+    /// be overridden.
+    ///
+    /// Parts that are left out grow no hair, and the cranium is not fitted to them. Landmarks fit a groom to another
+    /// head: front and nape are where the hairline crosses the midline, the temples where it runs between forehead and
+    /// ear, the ears the skin just above them, and crown and chin.
     "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb surface emitter character skin";
     inputs {
-        /// The head to use while no mesh file is given.
+        /// Built-in head, used while no mesh file is set.
         builtin: Builtin = Builtin::Adult, words("default bust");
-        /// A mesh file (.obj, .gltf or .glb), used instead of the built-in head. Its uvs, materials and vertex colours are
-        /// kept as uvs and masks.
+        /// Mesh file (.obj, .gltf or .glb) to use instead of the built-in head. UVs are kept; materials and vertex
+        /// colours become masks.
         mesh: Option<Arc<FileData>>, holds(Holds::Mesh), words("file import model");
-        /// Parts of the mesh that are no head, such as hair, hats and glasses: they are no skin, no hair grows on them, and the
-        /// sphere is not fitted to them. Names of meshes, nodes, groups or materials, or "piece 2" for the second largest piece of a
-        /// mesh without names, separated by commas, in any case; `*` stands for any text, as in `hair*, *glasses`. What looks like
-        /// such a part is proposed in the messages.
+        /// Parts of the mesh to ignore, such as hair, hats and glasses: comma-separated names of meshes, nodes, groups
+        /// or materials, or "piece 2" for the second largest piece of a mesh without names. `*` matches any text, as in
+        /// `hair*, *glasses`; case is ignored. The messages suggest candidates.
         leave_out: Arc<str> = "", words("hide ignore exclude remove hair hat helmet glasses lashes brows part material");
         /// Where hair grows.
         region: Region = Region::Default, words("scalp area growth hairline density map");
-        /// The painted mask, or the materials, that say where hair grows. Several materials are separated by commas.
+        /// Painted mask, or comma-separated materials, that define where hair grows.
         region_name: Arc<str> = "", words("vertex colour color paint material name");
-        /// The edge of the region as a closed stroke on the skin; hair grows inside, on the smaller of its two sides. Further
-        /// strokes enclose further regions; one inside another leaves a hole.
+        /// Edge of the region, as a closed stroke on the skin. Hair grows inside, on the smaller of its two sides. More
+        /// strokes add regions; a stroke inside another cuts a hole.
         hairline: Arc<Strokes> = Strokes::default(), words("edge outline");
-        /// Names for drawn regions: a name and a point in it, in the head frame (x to the head's left, y up, z forward),
-        /// centimetres on a head of average size, such as `beard 0 -7 7; left brow 3 1 9`. Each is a mask of that name. A point
-        /// outside of every stroke chooses the other side of the nearest.
+        /// Names for drawn regions, each with a point inside it in the head frame, such as `beard 0 -7 7; left brow 3 1
+        /// 9`. Each becomes a mask. A point outside every stroke selects the outer side of the nearest one.
         names: Arc<str> = "", words("name label several regions mask side");
-        /// Width over which the edge of a default or drawn region fades. 0 is a sharp edge.
+        /// Fade width at the edge of a default or drawn region. 0 is a sharp edge.
         edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
-        /// Where landmarks of this head are, instead of where they were guessed: each a name and a point in the head frame as above,
-        /// such as `crown 0 8.3 -3.9; chin 0 -10 7.3`. They are front and nape (where the hairline crosses the middle), left and
-        /// right temple (the hairline between forehead and ear), left and right ear (the skin just over it), crown, and chin. The
-        /// messages list where they are.
+        /// Landmarks of this head that replace the detected ones: name and position in the head frame, such as `crown 0
+        /// 8.3 -3.9; chin 0 -10 7.3`. Names: front, nape, left temple, right temple, left ear, right ear, crown, chin.
+        /// The messages list all positions.
         landmarks: Arc<str> = "", words("points fit markers correspondence hairline nape temple ear crown chin");
-        /// The landmarks of the head that the groom was made on, all in head units of that one, as the messages list them. Then
-        /// everything that is given in head units (strokes, names, hairline, masks, places) is carried from there to this head:
-        /// landmarks meet, and between them all moves with them. Empty where the groom is at home. `coif fit` sets it.
+        /// Landmarks of the head that the groom was made on, as its messages list them. Strokes, names, hairline, masks
+        /// and positions are warped so that they meet the landmarks of this head. Leave empty on the original head.
+        /// `coif fit` sets it.
         home: Arc<str> = "", words("fit transfer carry map other head source original landmarks warp retarget");
 
         [Placement]
-        /// What one unit of the file measures. Auto takes what the file states, else what makes the cranium as large as a
-        /// person's.
+        /// Length of one unit of the file. Auto reads it from the file, or picks the unit that gives the cranium a
+        /// human size.
         units: Units = Units::Auto, words("scale metres centimetres inches");
-        /// Centimetres in one unit of the file, when units are set to custom.
+        /// Centimetres per unit of the file, when units are custom.
         scale: f32 = 1.0, hard(0.000001, 1000000.0), soft(0.1, 100.0), words("size"),
             idle(|of| unless(of, "units", "custom", "the units of the file are known"));
-        /// The file's axis that points up; the mesh is turned to Y up. Where no head is found so, the other axes are tried.
+        /// Axis of the file that points up; the mesh is rotated to Y up. If no head is found that way, the other axes
+        /// are tried.
         up: Up = Up::Y, words("axis orientation z-up");
-        /// The file's axis that the face looks along. Auto finds the plane that the head mirrors in, and the end of it that is
-        /// like a face; within 5 degrees of an axis it takes the axis.
+        /// Axis of the file that the face points along. Auto finds the mirror plane of the head and the end that looks
+        /// like a face, and snaps to an axis within 5 degrees.
         forward: Forward = Forward::Auto, words("axis orientation face direction");
-        /// Turns forward about the up axis, for a head that looks between two axes; positive to the head's own left.
+        /// Rotates forward about the up axis, for a head that faces between two axes. Positive turns to the head's own
+        /// left.
         turn: f32 = 0.0, hard(-180.0, 180.0), unit(Angle), handle(Handle::Angle), words("yaw rotate");
         /// How the head frame is found.
         fit: FitBy = FitBy::Cranium, words("sphere cranium animal creature");
-        /// Radius of the cranium, used instead of the fitted one; 0 keeps what was fitted.
+        /// Radius of the cranium, instead of the fitted one; 0 keeps the fit.
         radius: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 12.0), unit(Length), handle(Handle::Radius), words("size");
-        /// Moves the centre of the cranium, in cm along the head's right, up and forward.
+        /// Offset of the cranium's centre, in cm along the head's right, up and forward.
         centre: Vec3 = Vec3::ZERO, handle(Handle::Point), words("center offset origin");
     }
     outputs {
-        /// The head with its frame, its masks and the region where hair grows.
+        /// The head with its frame, masks and the region where hair grows.
         scalp: Arc<Scalp>;
     }
 }
 
 choice! {
-    /// Heads that come with the program.
+    /// Built-in heads.
     Builtin {
         /// An adult bust with ears and neck, bald.
         Adult = "adult",
@@ -103,9 +106,9 @@ choice! {
 }
 
 choice! {
-    /// What one unit of the file measures.
+    /// Length of one unit of the file.
     Units {
-        /// What the file states, else found from the size of the cranium.
+        /// As the file states, or else derived from the size of the cranium.
         Auto = "auto",
         /// Millimetres.
         Millimetre = "mm",
@@ -123,9 +126,9 @@ choice! {
 choice! {
     /// How the head frame is found.
     FitBy {
-        /// By the sphere that the cranium fits best.
+        /// By the best-fitting sphere of the cranium.
         Cranium = "cranium",
-        /// Not at all: the file's own origin and axes, for animals and things.
+        /// No fit: the file's own origin and axes, for animals and props.
         None = "none",
     }
 }
@@ -133,12 +136,12 @@ choice! {
 choice! {
     /// Where hair grows.
     Region {
-        /// The mask "scalp" or "hairline" where the mesh brings one, else the usual hairline of a head; on a mesh without
-        /// a cranium, everywhere.
+        /// The mask "scalp" or "hairline" if the mesh has one, else a standard hairline; everywhere on a mesh without a
+        /// cranium.
         Default = "default",
         /// Where the painted mask of the given name is.
         Mask = "mask",
-        /// Where the given materials are.
+        /// On the given materials.
         Material = "material",
         /// Inside the drawn hairline.
         Hairline = "hairline",
@@ -281,7 +284,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { scalp: Arc::new(scalp) })
 }
 
-/// Says what hair on a rough mesh is kept out of.
+/// Reports what hair on a rough mesh is kept out of.
 fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
     let why = match rough {
         Rough::Folded => {
@@ -296,10 +299,10 @@ fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
             "so many triangles cross each other that the mesh has no inside".to_owned()
         }
     };
-    const REMEDY: &str = "to keep hair out of the head, leave the other parts out (leave_out), or choose a smaller region";
+    const REMEDY: &str = "leave the other parts out (leave_out) or choose a smaller region";
     match rough {
         Rough::Wide => {
-            cx.remark(format!("{why}: hair is pushed out of the skin, but not led round it"))
+            cx.remark(format!("{why}: hair is pushed out of the skin but not led around it"))
         }
         Rough::Folded => cx.warn(format!(
             "{why}: guides are kept out of the skin, hair between them is not; {REMEDY}"
@@ -310,7 +313,7 @@ fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
     }
 }
 
-/// Says so where there are more heads than one.
+/// Reports additional heads.
 fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
     let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
     let told = |is: &dyn Fn(u32) -> bool| {
@@ -328,7 +331,7 @@ fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
     ));
 }
 
-/// Says what was turned round: all of an `inside_out` mesh, but for what was then turned back.
+/// Reports what was flipped: all of an `inside_out` mesh, except for what was then flipped back.
 fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: &Parts) {
     let Some(mut turned) = turned else {
         if inside_out {
@@ -347,7 +350,8 @@ fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: 
     ));
 }
 
-/// Takes what `leave_out` names out of the mesh; gives the numbers of the triangles that stay, where some do not.
+/// Removes the parts named by `leave_out` from the mesh; returns the indices of the remaining triangles if any were
+/// removed.
 fn leave_out(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -379,11 +383,11 @@ fn leave_out(
     Ok(Some(all.filter(|(_, gone)| !**gone).map(|(t, _)| t).collect()))
 }
 
-/// So many other axes, the most promising ones, are looked at closely.
+/// Number of other axes, the most promising ones, that are examined closely.
 const MOST_AXES: usize = 2;
 
-/// The head with the asked axis up; where none is there, with another one that surely shows one. A cranium that is none is
-/// left out, and told.
+/// The head with the given axis up; if there is none, with another axis that clearly shows one. A cranium that is not
+/// one is dropped and reported.
 fn find_head(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -398,7 +402,7 @@ fn find_head(
     if asked.is_sure() {
         return Ok((inputs.up, asked));
     }
-    // What is said of the face has to stay true.
+    // Messages about the face have to stay true.
     let stays_true =
         |other: &Up| inputs.forward.axis().is_none_or(|axis| other.turned(axis).y == 0.0);
     let others = Up::ALL.into_iter().filter(|other| *other != inputs.up).filter(stays_true);
@@ -443,7 +447,7 @@ fn find_head(
     Ok((inputs.up, Found::default()))
 }
 
-/// Says so where something stands on the crown that the sphere was fitted to.
+/// Reports if something on the crown may have disturbed the sphere's fit.
 fn doubt(cx: &EvalCx, fit: Option<&Fit>, parts: &Parts) {
     let Some(fit) = fit.filter(|fit| !fit.is_bare()) else { return };
     let told = parts.told();
@@ -459,11 +463,11 @@ fn doubt(cx: &EvalCx, fit: Option<&Fit>, parts: &Parts) {
     ));
 }
 
-/// What a person's scalp measures, cm2, and what is more than any on a head of average size.
+/// Scalp area of a person, cm2, and an upper limit for any on a head of average size.
 const USUAL_SCALP: &str = "600 to 900 cm2";
 const MOST_SCALP: f32 = 1500.0;
 
-/// Says how large the region is, and what to do where it is no scalp.
+/// Reports the size of the region, and what to do if it is not a scalp.
 fn tell_region(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -499,7 +503,7 @@ fn tell_region(
     }
 }
 
-/// What is no higher than this part of its width is flat.
+/// A mesh whose height is below this fraction of its width is flat.
 const FLAT: f32 = 1e-3;
 
 fn read(file: &FileData) -> Result<Mesh, NodeError> {
@@ -508,7 +512,7 @@ fn read(file: &FileData) -> Result<Mesh, NodeError> {
         .map_err(|err| NodeError::Refused { file: file.path.clone(), reason: err.to_string() })
 }
 
-/// A number with the sign of the volume that the triangles enclose, seen from the middle of the box.
+/// A number with the sign of the volume enclosed by the triangles, seen from the centre of the bounding box.
 fn volume(points: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     let first = points.first().copied().unwrap_or_default();
     let (lo, hi) = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
@@ -517,7 +521,7 @@ fn volume(points: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     triangles.iter().map(|t| f64::from(corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))))).sum()
 }
 
-/// Centimetres in a unit of the file.
+/// Centimetres per unit of the file.
 fn scale(
     cx: &EvalCx,
     inputs: &Inputs,
@@ -574,7 +578,7 @@ fn scale(
             let first = points.first().copied().unwrap_or_default();
             let ends = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
             let size = ends.1 - ends.0;
-            // What is flat has no height that tells anything.
+            // A flat mesh has no meaningful height.
             let (what, size) = match size.y < FLAT * size.max_element() {
                 true => ("width (it is flat)", size.max_element()),
                 false => ("height", size.y),
@@ -586,15 +590,15 @@ fn scale(
     }
 }
 
-/// A face that looks so far from a file's axis, degrees, is taken to look along it: heads are modelled to 2 degrees.
+/// A face within this many degrees of a file axis snaps to it: heads are modeled to 2 degrees.
 const SNAP_DEGREES: f32 = 5.0;
-/// The same for the farthest point, which is a poor sign of where a face looks.
+/// The same for the farthest point, a weak indication of where a face looks.
 const SNAP_FARTHEST_DEGREES: f32 = 20.0;
 
-/// The mask of a hollow head's inner wall.
+/// Name of the mask of a hollow head's inner wall.
 const INNER_WALL: &str = "inner_wall";
 
-/// Where the face looks: level and unit, Y up.
+/// Direction of the face: level and unit, Y up.
 fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, NodeError> {
     let Some(axis) = inputs.forward.axis() else { return Ok(looks(cx, up, found)) };
     let axis = up.turned(axis);
@@ -608,7 +612,7 @@ fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, 
     Ok(axis)
 }
 
-/// Where the face that was found looks.
+/// Direction of the detected face.
 fn looks(cx: &EvalCx, up: Up, found: &Found) -> Vec3 {
     let axes = [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::NEG_X];
     let first = Forward::name_of(Vec3::Z, up);
@@ -662,7 +666,7 @@ fn frame(inputs: &Inputs, fit: Option<&Fit>, scale: f32, looks: Vec3) -> HeadFra
     frame
 }
 
-/// For each name the part of the surface about each vertex that belongs to it.
+/// For each name, the fraction of the surface around each vertex that belongs to it.
 fn incident(surface: &Surface, of: &[u32], names: &[String]) -> BTreeMap<String, Vec<f32>> {
     let mut all = vec![0.0f32; surface.points.len()];
     let mut out: BTreeMap<String, Vec<f32>> = BTreeMap::new();
@@ -686,12 +690,12 @@ fn incident(surface: &Surface, of: &[u32], names: &[String]) -> BTreeMap<String,
     out
 }
 
-/// The mask that a mesh brings for where hair grows.
+/// The mesh's own mask for where hair grows.
 fn own_region(masks: &BTreeMap<String, Vec<f32>>) -> Option<&Vec<f32>> {
     masks.get(REGION).or_else(|| masks.get("hairline"))
 }
 
-/// `ears` are the vertices of both ears; none where the mesh is no head.
+/// `ears` are the vertices of both ears; `None` if the mesh is not a head.
 fn grows(
     cx: &EvalCx,
     inputs: &Inputs,

@@ -1,42 +1,42 @@
-//! The inner wall of a hollow head, such as of a bust made for print: what no hair grows on or keeps clear of.
+//! The inner wall of a hollow head, such as a bust for 3D printing: no hair grows on it or avoids it.
 //!
-//! A hollow head is a shell of a few millimetres. To a distance the air in it is as much outside as the air about it, so that
-//! hair that reaches through the wall seems free again there, and half of what is scattered over the scalp grows inwards.
+//! A hollow head is a shell of a few millimetres. By distance alone, the air inside looks like the air outside, so that
+//! hair that passes through the wall seems clear again, and half of what is scattered over the scalp grows inward.
 //!
-//! Guarantees: a head that is solid about the middle of its cranium has no inner wall. Not promised: nooks of the hollow that
-//! are seen neither from its middle nor across it, such as in a chin, stay what they are.
+//! Guarantees: a head that is solid around the centre of its cranium has no inner wall. Not promised: nooks of the
+//! cavity that are visible neither from its centre nor across it, such as in a chin, stay as they are.
 
 use crate::define::NodeError;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::frame::round_about;
 use glam::Vec3;
 
-/// Places in the hollow that look about in it lie so far from each other, in radii of the cranium.
+/// Spacing of the viewpoints in the cavity, in radii of the cranium.
 const STEP: f32 = 0.5;
-/// They lie within this many steps of its middle: to the sides, up, down.
+/// Number of steps of viewpoints from the centre: sideways, up, down.
 const STEPS: (i32, i32, i32) = (5, 2, 7);
-/// What a place in the hollow sees in fewer than so many of 26 directions is no wall all about it: the hollow is open there.
+/// If a viewpoint sees a wall in fewer than this many of 26 directions, the cavity is open there.
 const CLOSED: usize = 20;
-/// Walls farther than this from a place, in radii, are seen by a nearer one.
+/// Walls farther than this from a viewpoint, in radii, are left to nearer ones.
 const SIGHT: f32 = 2.0;
-/// So many of them, the nearest ones that face a wall, look for it.
+/// Number of viewpoints, the nearest ones that face a wall, that look for it.
 const EYES: usize = 8;
-/// So many triangles are looked at between two questions whether to go on.
+/// Triangles examined between two calls of `check`.
 const BETWEEN: usize = 256;
-/// How far a head reaches, in radii.
+/// Extent of a head, in radii.
 const FAR: f32 = 6.0;
-/// How often what looks across the hollow at a wall is taken to be one.
+/// How often visibility across the cavity is propagated.
 const ACROSS: usize = 3;
 
-/// For each triangle whether it is part of the inner wall of a head whose cranium has this middle and radius, cm; none where
-/// it has no such wall. `check` is called now and then and may stop the work.
+/// For each triangle, whether it belongs to the inner wall of a head with a cranium of this centre and radius, cm;
+/// `None` without such a wall. `check` is called now and then and may stop the work.
 pub(crate) fn inner_wall(
     surface: &Surface,
     middle: Vec3,
     radius: f32,
     check: impl Fn() -> Result<(), NodeError>,
 ) -> Result<Option<Vec<bool>>, NodeError> {
-    // Whether the crown is seen from its front: from the middle of a solid head every surface shows its back.
+    // Whether the crown shows its front: from the centre of a solid head, every surface shows its back.
     let mut facing = 0i32;
     for way in round_about().filter(|way| way.y >= 0.0) {
         if let Some(hit) = surface.ray(middle, way, FAR * radius) {
@@ -55,7 +55,7 @@ pub(crate) fn inner_wall(
         })
         .filter(|(_, at, _)| at.distance(middle) < FAR * radius)
         .collect();
-    // Neighbours one after the other: what is looked at for one is at hand for the next.
+    // Neighbours in sequence, so that what was visited for one is cached for the next.
     faces.sort_by_cached_key(|(_, at, _)| {
         let cell = ((*at - middle) / (FAR * radius) + 1.0) * 511.0;
         hilbert(cell.to_array().map(|along| along as u32))
@@ -101,13 +101,13 @@ pub(crate) fn inner_wall(
     Ok(Some(wall))
 }
 
-/// Whether a place sees a wall nearly all about it.
+/// Whether a viewpoint sees a wall nearly all around it.
 fn closed(surface: &Surface, at: Vec3, radius: f32) -> bool {
     let sees = |way: &Vec3| surface.ray_meets(at, *way, FAR * radius);
     round_about().filter(sees).count() >= CLOSED
 }
 
-/// Places in the hollow about `middle`, each seen by one before it.
+/// Viewpoints in the cavity around `middle`, each visible from an earlier one.
 fn places(
     surface: &Surface,
     middle: Vec3,
@@ -139,8 +139,7 @@ fn places(
     Ok(found.into_iter().map(at).collect())
 }
 
-/// How far along a Hilbert curve through 1024^3 cells a cell lies (Skilling 2004, "Programming the
-/// Hilbert curve").
+/// Position of a cell on a Hilbert curve through 1024^3 cells (Skilling 2004, "Programming the Hilbert curve").
 fn hilbert(mut cell: [u32; 3]) -> u32 {
     const BITS: u32 = 10;
     let mut q = 1 << (BITS - 1);

@@ -1,4 +1,4 @@
-//! What the landmarks of the built-in head and of real ones guarantee.
+//! Guarantees of the landmarks of the built-in head and of real ones.
 
 use crate::data::landmarks::{Landmark, Landmarks};
 use crate::data::scalp::Scalp;
@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The heads that are tried: of a file, or the built-in one.
+/// The tested heads: from a file, or the built-in one.
 pub(super) const HEADS: [&str; 5] = [
     "",
     "lps_head/LeePerrySmith.glb",
@@ -18,7 +18,7 @@ pub(super) const HEADS: [&str; 5] = [
     "snowden_scan/snowden.obj",
 ];
 
-/// A head with something set; none, and said so, where its file is not on this machine.
+/// A head with an input set; `None`, with a note, if this machine does not have its file.
 #[track_caller]
 pub(super) fn of(name: &str, set: &[(&str, Value)]) -> Option<Arc<Scalp>> {
     match name {
@@ -27,7 +27,7 @@ pub(super) fn of(name: &str, set: &[(&str, Value)]) -> Option<Arc<Scalp>> {
     }
 }
 
-/// A mesh file with a vertex a line, each moved.
+/// A mesh file with one vertex per line, each transformed.
 fn moved(name: &str, to: impl Fn(Vec3) -> Vec3, mirrored: bool) -> Option<Arc<Scalp>> {
     let file = match name {
         "" => None,
@@ -55,7 +55,7 @@ fn moved(name: &str, to: impl Fn(Vec3) -> Vec3, mirrored: bool) -> Option<Arc<Sc
     Some(head(&[("mesh", Value::File(Arc::new(file)))]))
 }
 
-/// The farthest that a landmark of one head is from the other's, head units; `to` says which is which, and where.
+/// Largest distance of a landmark of one head from the other's, head units; `to` maps the landmarks and positions.
 #[track_caller]
 fn apart(a: &Landmarks, b: &Landmarks, to: impl Fn(Landmark, Vec3) -> (Landmark, Vec3)) -> f32 {
     assert_eq!(a.missing().is_some(), b.missing().is_some(), "{a} {b}");
@@ -120,7 +120,7 @@ fn they_are_mirrored_with_the_head_and_move_with_it() {
         };
         let off = apart(plain.landmarks(), mirrored.landmarks(), |m, at| (other(m), at * mirror));
         let Some(moved) = moved(name, turned, false) else { continue };
-        // A frame is found to half a degree where the head looks between axes.
+        // A frame is found to half a degree where the head faces between axes.
         let by = apart(plain.landmarks(), moved.landmarks(), |mark, at| (mark, at));
         println!("{name}: mirrored {off}, turned {by}");
         assert!(off < 0.02 && by < 0.15, "{name}: mirrored {off}, turned {by}");
@@ -147,7 +147,7 @@ fn what_is_stated_overrules_a_guess_and_lies_on_the_skin() {
 
 #[test]
 fn what_a_mesh_does_not_have_is_said_and_not_made_up() {
-    // The cap of the built-in head alone: no face, no neck, no ears.
+    // Only the cap of the built-in head: no face, no neck, no ears.
     let bust = super::bust::adult();
     let is_cap = |t: &&[u32; 3]| t.iter().all(|v| bust.points[*v as usize].y > 2.0);
     let mut text = String::new();
@@ -163,7 +163,7 @@ fn what_a_mesh_does_not_have_is_said_and_not_made_up() {
     let missing = scalp.landmarks().missing().unwrap();
     assert!(missing.contains("chin") && missing.contains("ear"), "{missing}");
     assert!(said.iter().any(|s| s.contains("; not found: ") && s.contains("chin")), "{said:?}");
-    // An animal is no head: none is guessed, and none is missed.
+    // An animal is not a head: no landmark is detected, and none is reported missing.
     let Some(rat) = shared_head("landmarks", "rat/street_rat_4k.gltf", &[("fit", "none".into())])
     else {
         return;

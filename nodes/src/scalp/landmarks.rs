@@ -1,10 +1,11 @@
-//! Landmarks as they are guessed on any head, from its frame and its skin alone.
+//! Detects landmarks on any head, from its frame and skin only.
 //!
-//! The hairline is that of a mask which the mesh brings, else the usual one ([`super::region`]), so that what somebody draws in head
-//! units hangs from the landmarks and not the landmarks from what is drawn.
+//! The hairline is that of the mesh's own mask, or else the standard one ([`super::region`]), so that drawn data in
+//! head units depends on the landmarks and not the other way around.
 //!
-//! Guarantees: each lies on the skin; the same on a mirrored head, mirrored, and in head units on one that is turned or scaled; bounded
-//! work. Not promised: that a guess is where a person would put it. What is not found is left out.
+//! Guarantees: each landmark lies on the skin; a mirrored head has mirrored landmarks, and a rotated or scaled head has
+//! the same ones in head units; bounded work. Not promised: the position that a person would choose. A landmark that is
+//! not found is left out.
 
 use super::region;
 use crate::data::carry::{Carry, Told};
@@ -15,37 +16,40 @@ use crate::maths::closest::{Hit, Surface};
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
-/// The skin is looked for within so far of the centre, in radii: hair grows on all of that, and shoulders are farther away.
+/// Skin is searched up to this distance from the centre, in radii: hair grows within it, and shoulders are farther
+/// away.
 const REACH: f32 = 1.5;
-/// The temple lies so far from the middle of the forehead round the vertical axis, degrees.
+/// Angle from the middle of the forehead to the temple about the vertical axis, degrees.
 const TEMPLE: f32 = 55.0;
-/// The crown lies so far behind the top, degrees: where the back of the head begins.
+/// Angle of the crown behind the top, degrees: where the back of the head begins.
 const BEHIND: f32 = 25.0;
-/// A ray in the plane that a mesh mirrors in may slip between triangles that meet there: then one so far beside it is taken, in radii.
+/// A ray in the mirror plane of a mesh may slip between the triangles that meet there; then one this far beside it is
+/// used, in radii.
 const BESIDE: f32 = 1e-4;
-/// The hairline is looked for down to so far from the top, degrees, in steps of one; then the step is halved so many times.
+/// The hairline is searched down to this angle from the top, degrees, in steps of one; then the step is halved this
+/// many times.
 const LOWEST: u16 = 165;
 const HALVINGS: usize = 14;
-/// Fewer vertices than these make no ear.
+/// The fewest vertices of an ear.
 const LEAST_EAR: usize = 6;
-/// This share of an ear lies under its top: what sticks out of the rest is noise.
+/// This fraction of an ear lies below its top; what sticks out above is noise.
 const EAR_TOP: f32 = 0.95;
 /// The skin over an ear is this far above its top, in radii ...
 const OVER_EAR: f32 = 0.04;
-/// ... and under what lies so far aside at most.
+/// ... and below what lies at most this far to the side.
 const ASIDE: f32 = 1.5;
-/// The profile of the face, from under the brows down, in steps; in radii.
+/// Profile of the face, from below the brows down, in steps; in radii.
 const PROFILE: (f32, f32, f32) = (-0.2, -2.0, 0.01);
-/// The tip of the nose is not below this ...
+/// The tip of the nose is not below this level ...
 const NOSE: f32 = -1.0;
-/// ... the neck not above it, and lies so far behind the tip of the nose.
+/// ... the neck is not above this one, and this far behind the tip of the nose.
 const NECK: f32 = -0.6;
 const RECESS: f32 = 0.6;
 
-/// What is stated farther from the skin than this was meant for another head, cm on a head of average size.
+/// A given landmark farther from the skin than this was meant for another head, cm on a head of average size.
 const MISSES: f32 = 0.5;
 
-/// The landmarks of a head: those `stated` as text, laid on the skin, and for the others what was `guessed`.
+/// The landmarks of a head: those `stated` as text, projected onto the skin, and `guessed` ones for the others.
 pub(super) fn known(
     cx: &EvalCx,
     surface: &Surface,
@@ -74,8 +78,8 @@ pub(super) fn known(
     out
 }
 
-/// The map from the head whose landmarks these are, as text, to one whose landmarks are `here`; none where there is none to make.
-/// Says what it goes by and what it leaves.
+/// The map from the head with these landmarks, as text, to one with the landmarks `here`; `None` if there is no map.
+/// Reports which landmarks it uses and which it drops.
 pub(super) fn carry(cx: &EvalCx, home: &str, here: &Landmarks) -> Option<Carry> {
     if home.trim().is_empty() {
         return None;
@@ -117,7 +121,7 @@ pub(super) fn carry(cx: &EvalCx, home: &str, here: &Landmarks) -> Option<Carry> 
     carry
 }
 
-/// The landmarks of a head with this frame. `own` is the mask that the mesh brings for where hair grows, `ears` are the vertices
+/// The landmarks of a head with this frame. `own` is the mesh's own mask for where hair grows, `ears` are the vertices
 /// of both ears.
 pub(super) fn guessed(
     surface: &Surface,
@@ -153,14 +157,14 @@ struct Head<'a> {
 }
 
 impl Head<'_> {
-    /// The first skin on a way, unit, from a place on.
+    /// The first skin along a ray with unit direction.
     fn met(&self, from: Vec3, way: Vec3, reach: f32) -> Option<Hit> {
         let beside = self.frame.right * (BESIDE * self.frame.radius);
         let hit = self.surface.ray(from, way, reach);
         hit.or_else(|| self.surface.ray(from + beside, way, reach))
     }
 
-    /// The outermost skin in a direction from the centre, unit.
+    /// The outermost skin in a unit direction from the centre.
     fn skin(&self, way: Vec3) -> Option<Hit> {
         let reach = REACH * self.frame.radius;
         self.met(self.frame.origin + way * reach, -way, reach)
@@ -175,7 +179,7 @@ impl Head<'_> {
         a * (1.0 - x - y) + b * x + c * y >= 0.5
     }
 
-    /// Where hair ends on the way from the top down to one side, level and unit; none where it begins or ends nowhere.
+    /// Where hair ends on the path from the top down to one side (level and unit); `None` if it does not begin or end.
     fn hairline(&self, side: Vec3) -> Option<Vec3> {
         let at = |degrees: f32| {
             let (sin, cos) = sin_cos(degrees.to_radians());
@@ -191,7 +195,7 @@ impl Head<'_> {
         at(within).map(|hit| hit.point)
     }
 
-    /// The skin over the ear of one side, 1 the head's left and -1 its right.
+    /// The skin above the ear on one side, 1 the head's left and -1 its right.
     fn over_ear(&self, ears: &[Vec3], sign: f32) -> Option<Vec3> {
         let frame = self.frame;
         let local = ears.iter().map(|p| frame.head_from_vector(*p - frame.origin));
@@ -208,14 +212,14 @@ impl Head<'_> {
         Some(hit.point)
     }
 
-    /// The point of the chin: of the profile between the tip of the nose and the neck, what reaches farthest down and forward; none
-    /// where there is no nose or where no neck follows.
+    /// The point of the chin: the part of the profile between nose tip and neck that reaches farthest down and forward;
+    /// `None` without a nose, or if no neck follows.
     fn chin(&self) -> Option<Vec3> {
         let (frame, r) = (self.frame, self.frame.radius);
         let (high, low, step) = PROFILE;
         let count = ((high - low) / step) as u16;
         let height = |k: u16| high - f32::from(k) * step;
-        // How far forward the skin lies at each height, in radii.
+        // Distance of the skin forward at each height, in radii.
         let profile: Vec<Option<Hit>> = (0..=count)
             .map(|k| {
                 let from = frame.origin + (frame.up * height(k) + frame.forward * 2.0) * r;

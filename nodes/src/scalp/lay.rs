@@ -1,11 +1,11 @@
-//! Laying lines on the scalp: what drawn strokes, projected curves and parting hairs share.
+//! Laying lines on the scalp: shared by drawn strokes, projected curves and hair pulled from partings.
 
 use crate::data::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
 use crate::data::curves::TuftBuilder;
 use crate::data::scalp::{Root, Scalp};
 use glam::Vec3;
 
-/// Binds the curves of a tuft, in order, to their roots.
+/// Binds the curves of a tuft, in order, to these roots.
 pub(crate) fn bind(tuft: &mut TuftBuilder, roots: &[Root]) {
     if roots.is_empty() {
         return;
@@ -16,8 +16,8 @@ pub(crate) fn bind(tuft: &mut TuftBuilder, roots: &[Root]) {
     tuft.set(ROOT_UV, Domain::Curve, roots.iter().map(|r| r.uv).collect());
 }
 
-/// The point `height` (cm) over the scalp's closest point to `p`, and the smooth normal there; `p` itself
-/// where there is no scalp.
+/// The point at `height` (cm) above the scalp's closest point to `p`, and the smooth normal there; `p` itself without a
+/// scalp.
 pub(crate) fn laid(scalp: &Scalp, p: Vec3, height: f32) -> (Vec3, Vec3) {
     match scalp.closest_root(p) {
         Some(root) => (root.point + root.normal * height, root.normal),
@@ -25,8 +25,9 @@ pub(crate) fn laid(scalp: &Scalp, p: Vec3, height: f32) -> (Vec3, Vec3) {
     }
 }
 
-/// Where a pen meets the scalp that is drawn at `p`: the closest point, or what of the scalp overhangs that as seen from outside
-/// the head, as the locks of a scan do. Nothing is drawn under such a lock. An ear, on which no hair grows, overhangs nothing.
+/// Where a pen at `p` touches the scalp: the closest point, or scalp that overhangs it as seen from outside the head,
+/// such as the modeled locks of a scan. Nothing is drawn below such a lock. Ears, where no hair grows, do not count as
+/// overhangs.
 pub(crate) fn met(scalp: &Scalp, p: Vec3) -> Option<Root> {
     let mut root = scalp.closest_root(p)?;
     let frame = scalp.frame();
@@ -47,19 +48,20 @@ pub(crate) fn met(scalp: &Scalp, p: Vec3) -> Option<Root> {
     Some(root)
 }
 
-/// How far out from the scalp, cm on a head of average size, it is looked for what overhangs: more is no lock.
+/// Distance out from the scalp within which overhangs are searched, cm on a head of average size: anything farther is
+/// not a lock.
 const OVERHANG: f32 = 1.5;
-/// How many layers are looked through.
+/// The most layers searched.
 const LAYERS: usize = 8;
-/// What is closer than this (cm) is the layer itself.
+/// Anything closer than this (cm) is the layer itself.
 const PAST: f32 = 1e-3;
 
-/// The smooth normal of the scalp nearest to each point.
+/// The smooth scalp normal nearest to each point.
 pub(crate) fn scalp_normals(scalp: &Scalp, points: &[Vec3]) -> Vec<Vec3> {
     points.iter().map(|p| laid(scalp, *p, 0.0).1).collect()
 }
 
-/// A line of straight pieces with its running length.
+/// A polyline with its cumulative length.
 #[derive(Clone, Debug)]
 pub(crate) struct Polyline {
     pub(crate) points: Vec<Vec3>,
@@ -67,7 +69,7 @@ pub(crate) struct Polyline {
 }
 
 impl Polyline {
-    /// The line through `points`, at least one.
+    /// The polyline through `points`, at least one.
     pub(crate) fn new(points: Vec<Vec3>) -> Self {
         let mut sum = 0.0f64;
         let mut lengths = vec![0.0];
@@ -81,7 +83,7 @@ impl Polyline {
     pub(crate) fn length(&self) -> f32 {
         self.lengths.last().copied().unwrap_or(0.0)
     }
-    /// Number of the point before arc length `s`, and the fraction of the way to the next.
+    /// Index of the point before arc length `s`, and the fraction toward the next one.
     pub(crate) fn place(&self, s: f32) -> (usize, f32) {
         let last = self.points.len().saturating_sub(2);
         let i = self.lengths.partition_point(|l| *l <= s).saturating_sub(1).min(last);
@@ -95,7 +97,7 @@ impl Polyline {
         let next = self.points[(i + 1).min(self.points.len() - 1)];
         self.points[i] + (next - self.points[i]) * t
     }
-    /// `n` points at even arc length, ends included.
+    /// `n` points evenly spaced by arc length, ends included.
     pub(crate) fn evenly(&self, n: usize) -> Vec<Vec3> {
         let step = self.length() / (n.max(2) - 1) as f32;
         let mut points: Vec<Vec3> = (0..n).map(|k| self.at(k as f32 * step)).collect();
@@ -104,13 +106,13 @@ impl Polyline {
         }
         points
     }
-    /// The line smoothed as by a Gaussian of standard deviation `sigma` (cm), ends kept.
+    /// The line smoothed by a Gaussian of standard deviation `sigma` (cm), with fixed ends.
     pub(crate) fn smoothed(&self, sigma: f32) -> Self {
         let length = self.length();
         if sigma <= 0.0 || length <= 0.0 {
             return self.clone();
         }
-        // Three points a sigma; a sigma beyond a third of the line would only straighten it further.
+        // Three points per sigma; a sigma above a third of the line would only straighten it further.
         let sigma = sigma.min(length / 3.0);
         let n = ((length / sigma * 3.0).ceil() as usize).clamp(8, MOST) + 1;
         let h = length / (n - 1) as f32;
@@ -121,10 +123,10 @@ impl Polyline {
     }
 }
 
-/// The most points a line is cut into.
+/// The most points a line is sampled with.
 pub(crate) const MOST: usize = 4096;
 
-/// Rounds of (1, 2, 1) / 4; each adds half a squared spacing to the variance. The ends stay.
+/// Rounds of (1, 2, 1) / 4; each adds half a squared spacing to the variance. The ends stay fixed.
 pub(crate) fn filter(points: &mut [Vec3], rounds: usize) {
     for _ in 0..rounds {
         let mut before = match points.first() {

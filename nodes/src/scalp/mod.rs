@@ -1,4 +1,4 @@
-//! The head: where hair grows, masks painted on it, and curves brought to it.
+//! The head: where hair grows, masks painted on it, and curves projected onto it.
 
 mod axes;
 pub mod bust;

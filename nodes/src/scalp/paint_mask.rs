@@ -1,9 +1,9 @@
 //! Paint mask: a field that the pen paints on the head.
 //!
-//! What strokes with brushes make of a number at each place is told in `data/painted.rs`; here they meet a head.
+//! `data/painted.rs` computes the value that brush strokes give each point; here they meet a head.
 //!
-//! Guarantees: values are 0 to 1, from the strokes alone, so that they mean the same on a coarse head, a fine one and another
-//! one; how much hair reads the mask changes nothing of it.
+//! Guarantees: values are 0 to 1 and depend on the strokes only, so that they mean the same on coarse heads, fine heads
+//! and other heads; the amount of hair that reads the mask does not change it.
 
 use crate::data::field::Field;
 use crate::data::laid::Laid;
@@ -17,28 +17,30 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 node! {
-    /// A mask that the pen paints on the head: paint, erase, smooth and flood it in the viewport, and wire it to any field.
+    /// A mask painted on the head with the pen: paint, erase, smooth and flood in the viewport, then wire it to any
+    /// field.
     ///
-    /// Each stroke is kept in the head's own frame, so that the mask goes along to another head and is as sharp on a coarse mesh as
-    /// on a fine one. A closed stroke is a hairline: what lies inside is the mask, with a soft edge.
+    /// Strokes are stored in the head frame, so the mask transfers to another head and stays sharp on a coarse mesh. A
+    /// closed stroke works like a hairline: its inside is the mask, with a soft edge.
     "paint_mask", version 1, label "Paint mask",
         words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture";
     inputs {
-        /// What the pen painted, in order. Painted in the viewport; stored in the head's own frame.
+        /// Painted strokes, in order. Paint them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("pen dabs brush painted");
-        /// The head. Strokes that keep to a section need the parted one.
+        /// The head. Strokes limited to a section need the parted head.
         scalp: Arc<Scalp>;
-        /// What the mask is before the first stroke: a number, a mask of the head, a texture mask, or another painted mask.
+        /// Value before the first stroke: a number, a mask of the head, a texture mask or another painted mask.
         base: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("start texture fill background vertex colour");
-        /// The share of the brush over which a dab fades: 0 is a hard edge, 1 fades from the middle on.
+        /// Fraction of the brush radius over which a dab fades: 0 is a hard edge, 1 fades from the centre.
         softness: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("hardness falloff feather blur");
-        /// Width over which the inside of a closed stroke fades. 0 is a sharp edge.
+        /// Fade width inside a closed stroke. 0 is a sharp edge.
         edge: f32 = 0.3, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("hairline soft fade feather");
-        /// Whether the width of that edge grows with the head. Dabs always do.
+        /// Scale the edge width with the size of the head. Dabs always scale.
         scale_with_head: bool = true, words("head units");
     }
     outputs {
-        /// The painted number, 0 to 1, under the root of each hair. Wire it to any field: a mask, a density, a length.
+        /// The painted value, 0 to 1, at the root of each hair. Wire it to any field, such as a mask, density or
+        /// length.
         mask: Arc<Field>;
     }
 }
@@ -81,7 +83,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { mask: Field::Painted(painted.into()).into() })
 }
 
-/// The strokes in this head's own units. (So the twin of a mirrored one is mirrored on this head, not on the one it was made on.)
+/// The strokes in this head's own units. (So the mirror image of a stroke is mirrored on this head, not on the one it
+/// was made on.)
 fn carried(scalp: &Scalp, strokes: Arc<Strokes>) -> Arc<Strokes> {
     let space = scalp.space();
     if space.carry().is_none() {
@@ -93,7 +96,7 @@ fn carried(scalp: &Scalp, strokes: Arc<Strokes>) -> Arc<Strokes> {
     Arc::new(out)
 }
 
-/// Whether a field asks for what only hair has.
+/// Whether a field reads something that only hair has.
 fn reads_hair(field: &Field) -> bool {
     match field {
         Field::Attribute(_) | Field::Ramp(_) => true,
@@ -102,7 +105,7 @@ fn reads_hair(field: &Field) -> bool {
     }
 }
 
-/// Tells of sections that strokes keep to and the head has not.
+/// Reports sections that strokes are limited to and the head does not have.
 fn tell_sections(cx: &EvalCx, scalp: &Scalp, strokes: &Strokes) {
     let names = strokes.0.iter().filter_map(|stroke| Some(&*stroke.brush.as_ref()?.section));
     let names: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();

@@ -1,10 +1,10 @@
-//! The parts of a mesh by name: which of them are left out, and which it is proposed to leave out.
+//! Named parts of a mesh: which are left out, and which are suggested for leaving out.
 //!
-//! A part goes by the name of its node, mesh, object or group, of the nodes that it lies in, of its material, and, among the
-//! largest pieces of a mesh, by "piece 1", the largest, and so on: pieces are what hangs together, and some files name nothing.
+//! A part is named by its node, mesh, object or group, by enclosing nodes, by its material, and, for the largest
+//! connected pieces of a mesh, by "piece 1" (the largest) and so on, since some files name nothing.
 //!
-//! Guarantees: nothing is left out that was not named. What sounds like hair or stands over the crown is proposed, never
-//! what holds most of the head.
+//! Guarantees: only named parts are left out. Parts that sound like hair or stand over the crown are suggested, but
+//! never one that holds most of the head.
 
 use super::find::Pieces;
 use super::fit::Patches;
@@ -15,60 +15,60 @@ use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// So many of the largest pieces have names.
+/// Number of the largest pieces with names.
 const MOST_PIECES: usize = 16;
-/// So many nodes that a mesh lies in count as its names, beside the name of the mesh.
+/// Number of enclosing nodes that count as names of a mesh, besides its own.
 const MOST_ABOVE: usize = 4;
-/// So many names are told in a message, and so many in a list.
+/// Most names in a message, and in a list.
 const MOST_TOLD: usize = 40;
 const MOST_LISTED: usize = 200;
-/// So many names are proposed one by one.
+/// Most names that are suggested individually.
 const FEW: usize = 8;
-/// What stands over more patches of the crown than this is in the way.
+/// A part that stands over more patches of the crown than this is in the way.
 const IN_THE_WAY: u32 = 1;
-/// What holds more than this of the head is proposed only if its name says that it is hair ...
+/// A part that holds more than this fraction of the head is suggested only if its name says that it is hair ...
 const SOME: f64 = 0.02;
-/// ... and what holds more than this of it not even then.
+/// ... and one that holds more than this fraction, not even then.
 const MOST: f64 = 0.5;
 
-/// The names of a mesh and the triangles that go by them.
+/// The names in a mesh, and the triangles of each.
 pub(crate) struct Parts {
     names: Vec<String>,
     columns: Vec<Column>,
-    /// Whether all of the mesh goes by a name.
+    /// Whether a name covers the whole mesh.
     is_all: Vec<bool>,
-    /// The first name of a piece; those before are the file's.
+    /// The first name of a piece; earlier names come from the file.
     first_piece: usize,
     is_left_out: Vec<bool>,
     is_proposed: Vec<bool>,
 }
 
-/// One way to name triangles: the group of each, and the name of each group.
+/// One naming scheme: the group of each triangle, and the name of each group.
 struct Column {
     of: Vec<u32>,
     names: Vec<Option<usize>>,
 }
 
-/// What is left out.
+/// What to leave out.
 pub(crate) struct LeftOut {
-    /// For each triangle whether it is.
+    /// For each triangle, whether it is left out.
     pub(crate) gone: Vec<bool>,
     /// Names and patterns that match nothing.
     pub(crate) unknown: Vec<String>,
 }
 
-/// What is proposed to be left out.
+/// What is suggested for leaving out.
 pub(crate) struct Proposal {
-    /// The names of what stands over the crown, each in quotes, and how many there are.
+    /// The names of parts that stand over the crown, quoted, and their number.
     over: (String, usize),
-    /// The same of all others: what sounds like hair, or stands over the edge of the scalp.
+    /// The same for all others: parts that sound like hair, or stand over the edge of the scalp.
     others: (String, usize),
-    /// What `leave_out` has to be.
+    /// The suggested value of `leave_out`.
     value: String,
 }
 
 impl Proposal {
-    /// What is said of it, and whether some of it is in the way.
+    /// The message, and whether any of the parts is in the way.
     pub(crate) fn said(&self) -> (String, bool) {
         let Self { over: (over, n_over), others: (others, n_others), value } = self;
         let s = |n: usize| if n == 1 { "s" } else { "" };
@@ -144,7 +144,7 @@ impl Parts {
         }
     }
 
-    /// What the names and patterns of `text` leave out; they are separated by commas.
+    /// What the comma-separated names and patterns of `text` leave out.
     pub(crate) fn leave_out(&mut self, text: &str) -> LeftOut {
         let mut unknown = vec![];
         for pattern in text.split(',').map(str::trim).filter(|pattern| !pattern.is_empty()) {
@@ -169,8 +169,8 @@ impl Parts {
         LeftOut { gone, unknown }
     }
 
-    /// What may be hair: parts that sound like it, and parts that stand over the crown. `over` has one bit for each patch
-    /// of the crown that a triangle stands over, `is_skin` says what is certainly head; both are empty where there is none.
+    /// Parts that may be hair: those that sound like it, and those that stand over the crown. `over` has one bit for
+    /// each patch of the crown that a triangle stands over; `is_skin` marks what is certainly head; both may be empty.
     pub(crate) fn propose(
         &mut self,
         points: &[Vec3],
@@ -185,7 +185,7 @@ impl Parts {
         let areas: Vec<f64> = triangles.iter().map(area).collect();
         let skin = |t: usize| is_skin.get(t).copied().unwrap_or(is_skin.is_empty());
         let whole: f64 = areas.iter().enumerate().filter(|(t, _)| skin(*t)).map(|(_, a)| a).sum();
-        // How much of the head each name holds.
+        // How much of the head each name covers.
         let mut holds = vec![0.0f64; self.names.len()];
         for column in &self.columns {
             for (t, name) in column.each().enumerate().filter(|(t, _)| skin(*t)) {
@@ -230,7 +230,7 @@ impl Parts {
         })
     }
 
-    /// Names as patterns: many that differ in their numbers alone become one, where it matches no other.
+    /// Names as patterns: names that differ only in their numbers become one pattern, if it matches no other name.
     fn as_patterns(&self, names: &[&str]) -> Vec<String> {
         if names.len() <= FEW {
             return names.iter().map(|name| as_pattern(name)).collect();
@@ -257,7 +257,7 @@ impl Parts {
         self.told_names((0..self.names.len()).filter(|i| self.is_worth_telling(*i)))
     }
 
-    /// Some names, and apart from them pieces, which are named by their size.
+    /// Some names, followed by pieces, which are identified by size.
     fn told_names(&self, some: impl Iterator<Item = usize>) -> String {
         let (names, pieces): (Vec<usize>, Vec<usize>) = some.partition(|i| *i < self.first_piece);
         let all = |of: &[usize]| told(&of.iter().map(|i| &self.names[*i]).collect::<Vec<_>>());
@@ -268,7 +268,7 @@ impl Parts {
         }
     }
 
-    /// The names of which more than half of the triangles are `some`, for messages.
+    /// For messages: the names of which more than half of the triangles are in `some`.
     pub(crate) fn told_of(&self, some: &[bool]) -> String {
         let mut counts = vec![[0usize; 2]; self.names.len()];
         for column in &self.columns {
@@ -285,13 +285,13 @@ impl Parts {
         self.told_names(names)
     }
 
-    /// Whether a name is the file's, or a piece that it names in no better way.
+    /// Whether a name comes from the file, or is a piece without a better name.
     fn is_worth_telling(&self, name: usize) -> bool {
         let has_names = self.is_all[..self.first_piece].iter().any(|all| !all);
         name < self.first_piece || !has_names || self.is_left_out[name] || self.is_proposed[name]
     }
 
-    /// All parts but those that are all of the mesh; those first that are proposed or left out.
+    /// All parts except those that cover the whole mesh; suggested and left-out parts first.
     pub(crate) fn list(&self) -> Vec<Part> {
         let part = |i: usize| Part {
             name: self.names[i].clone(),
@@ -314,7 +314,7 @@ impl Column {
     }
 }
 
-/// The first few names, each in quotes and cut, and how many more there are.
+/// The first few names, each quoted and truncated, and how many more there are.
 pub(super) fn told(names: &[impl AsRef<str>]) -> String {
     let mut text = String::new();
     for (i, name) in names.iter().take(MOST_TOLD).enumerate() {
@@ -331,12 +331,12 @@ fn as_pattern(name: &str) -> String {
     name.replace(',', "*")
 }
 
-/// Whether a name is what a pattern says, in any case; `*` stands for any text.
+/// Whether a name matches a pattern, ignoring case; `*` matches any text.
 fn is_match(pattern: &str, name: &str) -> bool {
     let (pattern, name) = (pattern.to_lowercase(), name.trim().to_lowercase());
     let (pattern, name) = (pattern.as_bytes(), name.as_bytes());
     let (mut p, mut n) = (0, 0);
-    // The last `*`, and what it was taken to stand for ends before `n`.
+    // The last `*`, and where its match ends, before `n`.
     let mut star: Option<(usize, usize)> = None;
     while n < name.len() {
         if pattern.get(p) == Some(&b'*') {
@@ -354,7 +354,7 @@ fn is_match(pattern: &str, name: &str) -> bool {
     pattern[p..].iter().all(|c| *c == b'*')
 }
 
-/// Words for hair and for what is worn on a head, in the singular.
+/// Words for hair and for things worn on a head, in the singular.
 const WORDS: &[&str] = &[
     "hair",
     "brow",
@@ -384,10 +384,10 @@ const WORDS: &[&str] = &[
     "bandana",
     "headband",
 ];
-/// Those that longer words begin or end with.
+/// Words that longer words may begin or end with.
 const STEMS: &[&str] = &["hair", "eyebrow", "eyelash", "ponytail", "helmet", "beard", "glasses"];
 
-/// Whether a name sounds like hair, or like what is worn on a head.
+/// Whether a name sounds like hair, or like something worn on a head.
 fn sounds_like_hair(name: &str) -> bool {
     words(name).iter().any(|word| {
         let word = word.as_str();
@@ -400,7 +400,7 @@ fn sounds_like_hair(name: &str) -> bool {
     })
 }
 
-/// The words of a name: letters that follow each other, with a new one at each capital after a small letter.
+/// The words of a name: runs of letters, with a new word at each capital after a lowercase letter.
 fn words(name: &str) -> Vec<String> {
     let (mut words, mut was_small) = (vec![String::new()], false);
     for c in name.chars() {
@@ -438,7 +438,7 @@ mod tests {
         ] {
             assert_eq!(is_match(pattern, name), fits, "{pattern:?} {name:?}");
         }
-        // A name with a comma in it is written so that the list does not end there.
+        // A comma in a name is escaped, so that the list does not end there.
         assert!(is_match(&as_pattern("hair, long"), "hair, long"));
     }
 

@@ -1,9 +1,10 @@
-//! One head saved plain, in a skin, and in a skin with quantized positions is one head to what grows on it.
+//! One head saved plain, skinned, and skinned with quantized positions is the same head for what grows on it.
 //!
-//! Floats in metres and in centimetres do not round alike: at 1.7 m their last bits are 0.00001 cm apart, and
-//! quantized positions are steps of 0.0005 cm. The skin and the frame follow exactly that. Hair adds its own: rows laid on
-//! the plain head move by 0.0008 cm when the last bit of each coordinate is turned, as the tip of a guide does whose root's normal
-//! turns by that over 10 cm. What is scattered keeps its roots: which guide is taken and where is not told by last bits.
+//! Floats in metres and in centimetres round differently: at 1.7 m their last bits are 0.00001 cm apart, and quantized
+//! positions have steps of 0.0005 cm. Skin and frame follow exactly that. Hair adds its own: rows laid on the plain
+//! head move by 0.0008 cm if the last bit of each coordinate changes, like the tip of a guide over 10 cm when the
+//! normal at its root turns by that much. Scattered hair keeps its roots: last bits do not change which guide is used
+//! and where.
 
 use super::{head, scalp_projection};
 use crate::data::curves::{Curves, TuftBuilder};
@@ -15,7 +16,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The head of a file; none where `../shared` is not there.
+/// The head of a file; `None` without `../shared`.
 fn scalp(name: &str) -> Option<Arc<Scalp>> {
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/reported/");
     let Ok(bytes) = std::fs::read(format!("{data}{name}.glb")) else {
@@ -31,7 +32,7 @@ fn scalp(name: &str) -> Option<Arc<Scalp>> {
     }
 }
 
-/// Twelve rows drawn from the crown down in the head's frame and laid on the scalp.
+/// Twelve rows drawn from the crown down in the head frame and laid on the scalp.
 fn rows(scalp: &Arc<Scalp>) -> Curves {
     let frame = scalp.frame();
     let mut b = TuftBuilder::new();
@@ -49,7 +50,7 @@ fn rows(scalp: &Arc<Scalp>) -> Curves {
     curves_of(&run(&scalp_projection::NODE, &[&set[..], &exact].concat()).0[0]).clone()
 }
 
-/// Guides scattered and the hair between them, each by its id.
+/// Scattered guides and the hair between them, each by id.
 fn scattered(scalp: &Arc<Scalp>) -> [BTreeMap<u64, Vec<Vec3>>; 2] {
     let by_id = |curves: &Curves| {
         curves.each().map(|(tuft, i)| (tuft.id(i), tuft.curve(i).to_vec())).collect()
@@ -62,7 +63,7 @@ fn scattered(scalp: &Arc<Scalp>) -> [BTreeMap<u64, Vec<Vec3>>; 2] {
     [by_id(&guides), by_id(curves_of(&hair[0]))]
 }
 
-/// The farthest that a point of one list is from its fellow of the other, cm.
+/// Largest distance of a point of one list from its counterpart in the other, cm.
 fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).fold(0.0, |most, (a, b)| most.max(a.distance(*b)))
@@ -80,8 +81,8 @@ fn a_head_in_a_skin_grows_the_hair_of_the_plain_head() {
     };
     let hair = hair_of(&plain);
     let grown = scattered(&plain);
-    // The quantized head is 31.5 cm high in steps of 15.75 / 32767 cm: half of one is 0.00024 cm an axis, 0.00042 across.
-    // Of the guides and of the hair, the share that is there and moves no farther than the rows may.
+    // The quantized head is 31.5 cm high in steps of 15.75 / 32767 cm: half of one is 0.00024 cm per axis, 0.00042
+    // diagonally. For guides and hair: the fraction that exists and moves no farther than the rows may.
     for (name, skin, on_it, stays) in [
         ("head_skinned_cm_zup", 3e-5, 1e-3, [0.998, 0.995]),
         ("head_skinned_quantized", 4.3e-4, 4e-3, [0.75, 0.5]),

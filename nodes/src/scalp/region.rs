@@ -1,7 +1,7 @@
-//! Where on a head hair grows, as a mask with one value a vertex.
+//! The region where hair grows, as a mask with one value per vertex.
 //!
-//! methods.md 0.1: the default region is outer surface above a plane that rises towards the face, in a shell
-//! about the cranium, without ears and a little skin about them. What is drawn is in [`super::drawn`].
+//! methods.md 0.1: the default region is the outer surface above a plane that rises toward the face, within a shell
+//! around the cranium, without the ears and some skin around them. Drawn regions are in [`super::drawn`].
 
 use crate::data::scalp::HeadFrame;
 use crate::define::NodeError;
@@ -10,31 +10,32 @@ use crate::maths::nearest::Nearest;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
-/// The plane of the default region: this far below the centre (radii) ...
+/// Plane of the default region: this far below the centre (radii) ...
 const DROP: f32 = 0.30;
-/// ... rising to the front at this angle.
+/// ... rising toward the front at this angle.
 const RISE: f32 = 40.0 / 180.0 * std::f32::consts::PI;
 /// The shell of the default region, in radii from the centre.
 const SHELL: (f32, f32) = (0.8, 1.2);
 
-/// Ears are looked for among what lies so far to the side, between these heights and depths, in radii ...
+/// Ears are searched this far to the side, between these heights and depths, in radii ...
 const BESIDE: f32 = 0.6;
 const EAR_LOW: Vec3 = Vec3::new(BESIDE, -0.8, -0.7);
 const EAR_HIGH: Vec3 = Vec3::new(2.0, 0.4, 0.4);
 /// ... and are thinner than this, cm on a head of average size.
 const THIN: f32 = 1.2;
-/// Bare skin about an ear, cm on a head of average size.
+/// Bare skin around an ear, cm on a head of average size.
 const BARE: f32 = 0.35;
-/// What has an ear on all sides within so far (cm on a head of average size) is part of it: the mean of the directions to the ear
-/// is shorter than this. Beside a straight edge it is 0.64.
+/// Skin surrounded by an ear within this distance (cm on a head of average size) belongs to it: the mean of the
+/// directions to the ear is shorter than this. Next to a straight edge it is 0.64.
 const WITHIN: f32 = 2.0;
 const SURROUNDED: f32 = 0.5;
-/// The most vertices that stand for both ears; on a fine scan some do.
+/// The most vertices that represent both ears; on a fine scan, a subset does.
 const MOST_RIMS: usize = 4000;
-/// Where more than this share of all that lies there is thin, the mesh has an inside of its own and tells nothing of ears.
+/// If more than this fraction of the searched surface is thin, the mesh has an interior of its own and says nothing
+/// about ears.
 const MOST_THIN: f32 = 0.6;
 
-/// How far within the usual hairline what is at `v` from the centre lies, cm; negative outside.
+/// Distance inside the standard hairline of a point at `v` from the centre, cm; negative outside.
 pub(super) fn within_hairline(frame: &HeadFrame, v: Vec3) -> f32 {
     let (sin, cos) = sin_cos(RISE);
     let p = frame.head_from_vector(v);
@@ -65,7 +66,7 @@ pub(crate) fn default_region(
         let Some((square, _)) = found.first() else { return soft(inside, softness) };
         let far = square.sqrt();
         if far < within {
-            // What an ear surrounds, such as its hollow, belongs to it though it is not thin.
+            // What an ear surrounds, such as its hollow, belongs to it even if it is not thin.
             let near = rims.iter().map(|rim| *rim - p).filter(|to| to.length() < within);
             let (sum, count) = near.fold((Vec3::ZERO, 0.0f32), |(sum, count), to| {
                 (sum + to.normalize_or_zero(), count + 1.0)
@@ -78,14 +79,14 @@ pub(crate) fn default_region(
     })
 }
 
-/// The vertices of both ears: what is thin at the sides of a head.
+/// The vertices of both ears: the thin surface at the sides of a head.
 pub(crate) fn ears(
     surface: &Surface,
     frame: &HeadFrame,
     check: &dyn Fn() -> Result<(), NodeError>,
 ) -> Result<Vec<Vec3>, NodeError> {
     let (thin, mut looked, mut ears) = (THIN * frame.unit(), 0usize, vec![]);
-    // The inner wall of a hollow head is thin all over, seen from inside.
+    // Seen from inside, the inner wall of a hollow head is thin everywhere.
     let mut inner = vec![false; surface.points.len()];
     let numbered = (0u32..).zip(&surface.triangles);
     let gone = numbered.filter(|(t, _)| surface.is_gone(*t)).flat_map(|(_, corners)| corners);
@@ -112,7 +113,7 @@ pub(crate) fn ears(
     Ok(ears.into_iter().step_by(every).collect())
 }
 
-/// For each vertex whether it is outer surface, 0 or 1.
+/// For each vertex, whether it is on the outer surface: 0 or 1.
 pub(crate) fn outer_skin(
     surface: &Surface,
     frame: &HeadFrame,
@@ -121,7 +122,7 @@ pub(crate) fn outer_skin(
     mask(surface, frame, check, |_| 1.0)
 }
 
-/// The value that `value` gives for the vertex at `v` from the centre, where the surface is outer surface.
+/// The value of `value` for the vertex at `v` from the centre, on the outer surface.
 fn mask(
     surface: &Surface,
     frame: &HeadFrame,
@@ -140,7 +141,7 @@ fn mask(
     Ok(out)
 }
 
-/// 0 to 1 across an edge `width` wide whose middle lies where `inside` (the distance from it, cm) is 0.
+/// 0 to 1 across an edge of this width, centred where `inside` (the signed distance, cm) is 0.
 pub(crate) fn soft(inside: f32, width: f32) -> f32 {
     if width <= 0.0 {
         return f32::from(inside > 0.0);
@@ -149,12 +150,12 @@ pub(crate) fn soft(inside: f32, width: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// How far the rays of [`outer`] lean from the radial direction.
+/// Angle of the rays of [`outer`] from the radial direction.
 const LEAN: f32 = 50.0 / 180.0 * std::f32::consts::PI;
 
-/// Whether the outside can be seen from a vertex: a straight line outwards, or one of six that lean by 50
-/// degrees, meets nothing. So skin behind an ear is outer surface, an eye's back or a tooth is not.
-/// `hides` is what last hid each way.
+/// Whether the outside is visible from a vertex: a ray straight out, or one of six tilted by 50 degrees, hits nothing.
+/// Skin behind an ear is therefore outer surface; the back of an eye or a tooth is not. `hides` is what last blocked
+/// each direction.
 fn outer(
     surface: &Surface,
     frame: &HeadFrame,

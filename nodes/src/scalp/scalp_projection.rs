@@ -1,9 +1,9 @@
-//! Scalp projection: curves pulled to the surface.
+//! Scalp projection: projects curves onto the surface.
 //!
-//! Guarantees: with full amount every point of the curve, between its CVs too, lies within the tolerance of its
-//! offset from the scalp (as far as 512 CVs reach); amount 0 moves nothing; roots are bound and every
-//! point knows the scalp's normal. Not promised: a way round what sticks out. The closest point jumps
-//! across a crease, such as the one behind the ear; smoothing bridges that.
+//! Guarantees: at full amount, every point of the curve, also between its CVs, lies within the tolerance of its offset
+//! from the scalp (as far as 512 CVs allow); amount 0 moves nothing; roots are bound, and every point knows the scalp
+//! normal. Not promised: a path around protrusions. The closest point jumps across a crease, such as the one behind the
+//! ear; smoothing bridges that.
 
 use super::lay::{self, Polyline, bind, laid, scalp_normals};
 use crate::data::attributes::{Attribute, Domain, SCALP_NORMAL};
@@ -18,53 +18,53 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Pull curves to the scalp, at an offset, and root them in it.
+    /// Projects curves onto the scalp at an offset and binds their roots to it.
     ///
-    /// Lines drawn coarsely lie on the surface everywhere, not only at their points: points are added until they do.
-    /// Each curve gets its root and the scalp's normal at every point, which braids and partings use.
+    /// Points are added until the curve follows the surface between its points too. Each curve gets a root and scalp
+    /// normals, which braids and partings use.
     "scalp_projection", version 1, label "Scalp projection", words "project snap stick shrinkwrap attach bind root hair curves to surface ray";
     inputs {
-        /// Curves to pull to the scalp.
+        /// Curves to project.
         curves: Curves;
         /// The head.
         scalp: Arc<Scalp>;
-        /// How much of each curve is pulled.
+        /// How much of each curve is projected.
         what: What = What::Whole, words("root only attach");
-        /// How far over the scalp the curves lie. Negative is under the skin. A ramp runs from root to tip.
+        /// Height of the curves above the scalp; negative is below the skin. A ramp runs from root to tip.
         offset: FieldInput = 0.0, hard(-2.0, 20.0), soft(0.0, 2.0), unit(Length), handle(Handle::Length), words("height lift distance");
-        /// How far the curves are pulled: 0 leaves them, 100% lays them on the scalp. A ramp runs from root to tip.
+        /// Blend from the original curve (0) to the projected one (100%). A ramp runs from root to tip.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("blend mix strength");
-        /// How far the line on the scalp is averaged along itself, where closest points jump or bunch. 0 takes the closest
-        /// points as they are.
+        /// Length over which the projected curve is smoothed, where closest points jump or bunch up. 0 takes the
+        /// closest points as they are.
         smoothing: f32 = 0.5, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("smooth relax");
 
         [Detail]
-        /// Add points until the curve follows the scalp between them too. Off keeps the number of points.
+        /// Add points until the curve follows the scalp between them. Off keeps the point count.
         refine: bool = true, words("resample subdivide points");
-        /// How far the curve may leave the scalp between its points.
+        /// Largest distance between curve and scalp between two points.
         tolerance: f32 = 0.02, hard(0.0005, 10.0), soft(0.005, 0.2), unit(Length), words("precision error");
-        /// Whether offset, smoothing and tolerance grow with the head.
+        /// Scale offset, smoothing and tolerance with the size of the head.
         scale_with_head: bool = true, words("head units");
     }
     outputs {
-        /// The curves, rooted, with the scalp's normal at every point.
+        /// The projected curves, with roots and scalp normals at every point.
         curves: Curves;
     }
 }
 
 choice! {
-    /// How much of each curve is pulled.
+    /// How much of each curve is projected.
     What {
-        /// All of it.
+        /// The whole curve.
         Whole = "whole",
-        /// The root alone; the rest stays where it is.
+        /// The root only; the rest stays in place.
         Root = "root",
     }
 }
 
-/// The most points a curve is refined to.
+/// The most CVs a curve is refined to.
 const MOST_POINTS: usize = 512;
-/// Distance of the samples that are projected, cm on a head of average size.
+/// Spacing of the projected samples, cm on a head of average size.
 const FINE: f32 = 0.1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -121,7 +121,7 @@ fn projected(inputs: &Inputs, tuft: &Tuft, piece: &mut Piece) -> Result<Tuft, No
     Ok(out.build())
 }
 
-/// Where a curve is wanted to lie.
+/// The requested position of a curve.
 struct Wish<'a> {
     scalp: &'a Scalp,
     tuft: &'a Tuft,
@@ -133,7 +133,7 @@ struct Wish<'a> {
 }
 
 impl Wish<'_> {
-    /// A field's value at a place of the old curve, interpolated between its points.
+    /// A field's value at a position on the old curve, interpolated between its points.
     fn value(&self, field: &Sampler, place: Place) -> f32 {
         let first = self.tuft.offsets()[self.curve] as usize;
         let (from, to) = (place.span, place.span + 1);
@@ -192,7 +192,7 @@ impl Wish<'_> {
         if line.length() <= 0.0 {
             return (old, old_places);
         }
-        // Between the samples it may be a little worse.
+        // Leaves a margin for the error between samples.
         let tolerance = 0.8 * inputs.tolerance * self.unit;
         let mut count = old.len();
         loop {
@@ -200,7 +200,7 @@ impl Wish<'_> {
             if !inputs.refine || count >= MOST_POINTS {
                 return (points, at);
             }
-            // The law is for the spline, so the spline is asked.
+            // The law holds for the spline, so the spline is measured.
             let off = match Spline::new(&points) {
                 Ok(spline) => self.worst(&spline, &line, &places),
                 Err(_) => return (points, at),
@@ -208,13 +208,13 @@ impl Wish<'_> {
             if off <= tolerance {
                 return (points, at);
             }
-            // The error of a cubic falls with at least the square of the spacing.
+            // The error of a cubic decreases at least with the square of the spacing.
             let growth = (off / tolerance).sqrt().clamp(1.25, 3.0);
             count = ((count as f32 * growth).ceil() as usize).min(MOST_POINTS);
         }
     }
 
-    /// `count` points at even length of `line`, whose points stand for `places` of the old curve.
+    /// `count` points evenly spaced along `line`, whose points correspond to `places` of the old curve.
     fn cut(&self, line: &Polyline, places: &[Place], count: usize) -> (Vec<Vec3>, Vec<Place>) {
         let step = line.length() / (count - 1) as f32;
         let at: Vec<Place> =
@@ -223,7 +223,7 @@ impl Wish<'_> {
         for (p, place) in points.iter_mut().zip(&at) {
             if self.amount_at(*place) == 1.0 {
                 *p = laid(self.scalp, *p, self.offset_at(*place)).0;
-                // Once more from there: the closest point to a lifted point is under it.
+                // Once more from there: the closest point to a lifted point is below it.
                 *p = laid(self.scalp, *p, self.offset_at(*place)).0;
             }
         }
@@ -240,7 +240,7 @@ impl Wish<'_> {
         self.spline.locate(u(places[k]) + (u(next) - u(places[k])) * t)
     }
 
-    /// The farthest that `spline` is from where it is wanted, a fifth of a span at a time.
+    /// The largest distance of `spline` from its requested position, in steps of a fifth of a span.
     fn worst(&self, spline: &Spline, line: &Polyline, places: &[Place]) -> f32 {
         let mut worst = 0.0f32;
         for span in 0..spline.span_count() {
@@ -367,7 +367,7 @@ mod tests {
         assert_eq!(curves.tufts()[0].points(), lines.tufts()[0].points());
         assert_eq!(curves.tufts()[0].offsets(), lines.tufts()[0].offsets());
         assert!(curves.tufts()[0].view(ROOT_TRIANGLE).at(0, 0) >= 0);
-        // Half an amount is half-way between.
+        // Half an amount is halfway between.
         let half = laid_on(
             &scalp,
             &lines,

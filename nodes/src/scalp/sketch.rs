@@ -1,31 +1,31 @@
-//! A mesh seen roughly, so that what is surely no head costs next to nothing.
+//! A rough version of a mesh, to rule out non-heads at almost no cost.
 //!
-//! Each large piece is sampled evenly by its area, once. A sphere fitted to samples tells with any axis up and any piece
-//! left out whether there may be a cranium: in tens of microseconds, however many triangles there are.
+//! Each large piece is sampled evenly by area, once. A sphere fitted to the samples tells, for any axis up and any
+//! pieces left out, whether there may be a cranium: in tens of microseconds, however many triangles there are.
 //!
-//! Guarantees: the same samples everywhere; no more of them than [`MOST`] and [`FEWEST`] say. Not promised: the sphere itself,
-//! which is off by some parts in a hundred. What may be a head is looked at again with all of its triangles.
+//! Guarantees: the same samples everywhere; no more than [`MOST`] and [`FEWEST`] allow. Not promised: an exact sphere;
+//! it is off by a few percent. Candidates are examined again with all of their triangles.
 
 use super::axes::Up;
 use super::find::Pieces;
 use super::fit::{self, Cell, Fit};
 use glam::Vec3;
 
-/// Samples of a mesh, shared out by area ...
+/// Samples of a mesh, distributed by area ...
 const MOST: f64 = 32768.0;
-/// ... and those that a piece has at least.
+/// ... and the minimum for each piece.
 const FEWEST: f64 = 3072.0;
 
 /// The samples of a mesh.
 pub(crate) struct Sketch {
-    /// Those of each large piece, and of all the others together.
+    /// Samples of each large piece, and of all others together.
     groups: Vec<Group>,
 }
 
 #[derive(Clone)]
 struct Group {
     samples: Vec<Cell>,
-    /// The farthest points along the axes, both ways.
+    /// The extreme points along the axes, in both directions.
     ends: [Vec3; 6],
 }
 
@@ -75,8 +75,8 @@ impl Sketch {
         Self { groups }
     }
 
-    /// The cranium with an axis up, of the pieces that are kept (those that are not large go by one number, the next one); none
-    /// where there can be no whole one.
+    /// The cranium with one axis up, from the pieces that are kept (all small pieces share one index, the next one);
+    /// `None` if there cannot be a whole one.
     pub(crate) fn cranium(&self, up: Up, keeps: impl Fn(u32) -> bool) -> Option<Fit> {
         let kept = || {
             let kept = self.groups.iter().zip(0u32..).filter(|(_, piece)| keeps(*piece));
@@ -91,8 +91,8 @@ impl Sketch {
     }
 }
 
-/// Where in a triangle the k-th sample lies, as weights of its second and third corner: evenly strewn, for neighbours
-/// in a row too (the two-dimensional golden ratio of M. Roberts).
+/// Position of the k-th sample in a triangle, as weights of its second and third corner: evenly distributed, for
+/// consecutive samples as well (the two-dimensional golden ratio of M. Roberts).
 fn within(k: u32) -> (f32, f32) {
     let part = |by: u32| (k.wrapping_mul(by) >> 8) as f32 / (1 << 24) as f32;
     let (u, v) = (part(3_242_174_889), part(2_447_445_414));

@@ -1,6 +1,6 @@
-//! Texture mask: a field from a picture that was painted elsewhere, by the head's uvs.
+//! Texture mask: a field from an existing picture, through the head's UVs.
 //!
-//! Guarantees: values are 0 to 1 as they stand in the file. What a head without uvs cannot show is refused.
+//! Guarantees: values are 0 to 1 as stored in the file. A head without UVs is refused.
 
 use crate::data::field::Field;
 use crate::data::scalp::Scalp;
@@ -12,37 +12,37 @@ use crate::maths::hash::KeyBuilder;
 use std::sync::Arc;
 
 node! {
-    /// A picture as a mask: one channel of it, read on the head by its uvs. Wire it to any field, or to a painted mask as its base.
+    /// Reads one channel of an image through the head's UVs. Wire it to any field, or to the base of a painted mask.
     "texture_mask", version 1, label "Texture mask",
         words "texture map image picture png tiff tif uv paint weight density length mari substance ptex grey";
     inputs {
-        /// A PNG or TIFF file of 8 or 16 bits. No colour space is applied: a mask is data.
+        /// PNG or TIFF file, 8 or 16 bits per channel, read as raw data without a colour space.
         file: Arc<FileData>, holds(Holds::Picture), words("image picture map path");
-        /// The head, with uvs.
+        /// The head; it needs UVs.
         scalp: Arc<Scalp>;
-        /// Which number of its pixels is read.
+        /// Channel to read.
         channel: Channel = Channel::Luminance, words("red green blue alpha luminance");
-        /// Whether black is 1 and white is 0.
+        /// Invert the values: black is 1 and white is 0.
         invert: bool = false, words("negative flip opposite");
     }
     outputs {
-        /// The picture's number, 0 to 1, under the root of each hair.
+        /// The channel's value, 0 to 1, at the root of each hair.
         mask: Arc<Field>;
     }
 }
 
 choice! {
-    /// Which number of a pixel is read.
+    /// Channel to read.
     Channel {
-        /// How light it is.
+        /// Luminance of the pixel.
         Luminance = "luminance",
-        /// Its red.
+        /// Red.
         Red = "red",
-        /// Its green.
+        /// Green.
         Green = "green",
-        /// Its blue.
+        /// Blue.
         Blue = "blue",
-        /// Its alpha; 1 where the file has none.
+        /// Alpha; 1 if the file has none.
         Alpha = "alpha",
     }
 }
@@ -123,7 +123,7 @@ mod tests {
         }
     }
 
-    /// Each curve's value and the u at its root.
+    /// Each curve's value, and the u at its root.
     fn values(field: &Field, curves: &Curves, scalp: &Scalp) -> Vec<(f32, f32)> {
         let all = curves.tufts().iter().flat_map(|tuft| {
             let values = field.on(tuft, Some(scalp), (0.0, 1.0)).unwrap();
@@ -175,7 +175,7 @@ mod tests {
         assert!(fault.contains("file"), "{fault}");
         let fault = told(&[scalp(), ("file", file("a/b.png", b"nothing"))]);
         assert!(fault.contains("a/b.png") && fault.contains("no picture"), "{fault}");
-        // (The ball of tests has no uvs.)
+        // (The ball of tests has no UVs.)
         let ball = crate::data::scalp::tests::shared_ball();
         let fault = told(&[("scalp", ball.into()), ("file", ramp())]);
         assert!(fault.contains("no uvs"), "{fault}");

@@ -1,7 +1,7 @@
-//! Laying values along hair, which every node that colours or sizes it does.
+//! Values along hair, for every node that colours or sizes it.
 //!
-//! Guarantees: values are stored once for all, once a curve or once a point, as few times as the caller says they
-//! can be; nothing else of the tuft changes or is copied.
+//! Guarantees: values are stored once for all, once per curve or once per point, as few times as the caller allows;
+//! nothing else of the tuft changes or is copied.
 
 use crate::data::attributes::{Declared, Domain, Item};
 use crate::data::curves::Tuft;
@@ -9,19 +9,19 @@ use crate::define::NodeError;
 use crate::eval::Piece;
 use glam::Vec3;
 
-/// What values are stored for.
+/// Domain of stored values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Held {
     /// One value for all curves.
     All,
-    /// One value a curve.
+    /// One value per curve.
     Curve,
-    /// One value a point.
+    /// One value per point.
     Point,
 }
 
 impl Held {
-    /// The fewest: `level` where no curve changes along itself, `alike` where none differs from another.
+    /// The smallest domain: `level` if values are constant along each curve, `alike` if all curves have the same.
     pub(super) fn fewest(level: bool, alike: bool) -> Self {
         match (level, alike) {
             (true, true) => Self::All,
@@ -31,8 +31,8 @@ impl Held {
     }
 }
 
-/// The tuft with values of `declared`. `own` is asked once a curve for what all its points share; `value` for each stored
-/// value, by curve, point of the tuft and fraction of the curve's length (0 where one value serves a curve).
+/// The tuft with values of `declared`. `own` is called once per curve for what all its points share; `value` for each
+/// stored value, with curve, point of the tuft and fraction of the curve's length (0 if one value serves a curve).
 pub(super) fn lay<T: Item, C>(
     piece: &mut Piece,
     tuft: &Tuft,
@@ -55,7 +55,7 @@ pub(super) fn lay<T: Item, C>(
         let own = own(i);
         let first = tuft.offsets()[i] as usize;
         if held == Held::Point {
-            // Values of all curves before and of this one so far: the number of the point.
+            // Number of values of all earlier curves and of this one so far: the index of the point.
             fractions(tuft.curve(i), |u| values.push(value(&own, i, values.len(), u)));
         } else {
             values.push(value(&own, i, first, 0.0));
@@ -66,8 +66,7 @@ pub(super) fn lay<T: Item, C>(
     Ok(out.build())
 }
 
-/// Calls `put` with the fraction of the length at which each point of a curve lies, measured along straight lines
-/// from point to point.
+/// Calls `put` with the fraction of the length at each point of a curve, measured along straight segments.
 #[inline]
 fn fractions(points: &[Vec3], mut put: impl FnMut(f32)) {
     let span = |pair: &[Vec3]| pair[0].distance(pair[1]);

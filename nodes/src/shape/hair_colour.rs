@@ -1,9 +1,9 @@
-//! Hair colour: the natural colour of hair by its pigment, grey hairs among it, and dye on top.
+//! Hair colour: the natural colour of hair by its pigment, grey hairs in it, and dye on top.
 //!
-//! Guarantees: only the `colour` attribute changes, and it is stored as few times as it can be. Everything is mixed as
-//! absorption, as pigment and dye do it, and then turned into a colour (`maths::hair_colour`); so a colour goes
-//! from root to tip and from hair to hair without turning muddy or pale. Equal ids give equal hairs whatever
-//! else is there, and raising `grey` only adds grey hairs.
+//! Guarantees: only the `colour` attribute changes, and it is stored as few times as possible. Everything is mixed as
+//! absorption, like real pigment and dye, and then converted to a colour (`maths::hair_colour`); colours therefore blend
+//! from root to tip and from hair to hair without turning muddy or pale. Equal ids give equal hairs, whatever else is
+//! there, and raising `grey` only adds grey hairs.
 
 use super::along::{Held, lay};
 use crate::data::attributes::COLOUR;
@@ -18,42 +18,42 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Colour hair by its pigment, as it grows: from white over blond and brown to black, with grey hairs and dye.
+    /// Colours hair by its pigment, from white through blond and brown to black, with grey hairs and dye.
     ///
-    /// Melanin 0.97 is black, 0.87 brown, 0.3 blond, 0.02 white. Wire another one behind it with a mask for highlights or
-    /// dipped tips.
+    /// Melanin 0.97 is black, 0.87 brown, 0.3 blond, 0.02 white. Add a second node with a mask for highlights or dipped
+    /// tips.
     "hair_colour", version 1, label "Hair colour",
         words "color melanin ombre balayage grey gray white highlights dye tint bleach natural eumelanin pheomelanin pigment black brown blond blonde red ginger";
     inputs {
         /// Hair to colour.
         curves: Curves;
-        /// The head; needed by masks only.
+        /// The head; only masks need it.
         scalp: Option<Arc<Scalp>>;
-        /// Where the colour comes from that single hairs, grey and dye then change.
+        /// Base colour, before variation between hairs, grey and dye.
         from: Base = Base::Melanin, words("own keep inherit base cluster painted");
         /// Pigment at the root, 0 (white) to 1 (black).
         melanin_root: f32 = 0.9, hard(0.0, 1.0), unit(Ratio), words("eumelanin pigment darkness");
-        /// Pigment at the tip: sun and washing leave a little less.
+        /// Pigment at the tip. Sun and washing fade it slightly.
         melanin_tip: f32 = 0.87, hard(0.0, 1.0), unit(Ratio), words("eumelanin pigment darkness ombre balayage");
-        /// How much of the pigment is red: 0 is ash, 0.2 warm, 1 ginger.
+        /// Fraction of the pigment that is red: 0 is ash, 0.2 warm, 1 ginger.
         redness: f32 = 0.1, hard(0.0, 1.0), unit(Ratio), words("pheomelanin warm red ginger auburn");
-        /// How the colour goes from that of the root (0) to that of the tip (1), root at the left.
+        /// Blend from the root colour (0) to the tip colour (1), along the hair.
         profile: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gradient blend falloff ombre");
-        /// Share of hairs that are grey, which is white among the others. A mask greys temples first.
+        /// Fraction of hairs that are grey, that is, white among the others. A mask greys the temples first.
         grey: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gray white salt pepper age silver");
-        /// How many hairs stand between grey and not: 0 makes each the one or the other.
+        /// Fraction of hairs between grey and not: 0 makes each hair one or the other.
         grey_softness: f32 = 0.15, hard(0.0, 1.0), unit(Ratio), words("gray blend");
-        /// Colour laid on top; white is no dye. It can only darken, as dye does: lower the melanin to bleach first.
+        /// Colour of the dye; white is no dye. Dye only darkens: lower the melanin to bleach first.
         dye: Colour = Vec3::ONE, words("color tint henna");
-        /// How strong the dye is; a ramp dyes tips or leaves grown roots.
+        /// Strength of the dye. A ramp dyes only the tips, or leaves grown-out roots.
         dye_amount: FieldInput = 1.0, hard(0.0, 4.0), soft(0.0, 1.0), unit(Ratio), words("strength roots tips");
-        /// How much of the new colour covers the old: 0 leaves hair as it is, 1 covers it. A mask makes streaks.
+        /// Blend from the old colour (0) to the new one (1). A mask makes streaks.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mix opacity mask highlights");
 
         [Randomness]
-        /// How much more or less pigment single hairs have: 0.2 means up to about a fifth.
+        /// Random variation in pigment between hairs: 0.2 means up to about a fifth.
         variation: f32 = 0.2, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random vary");
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
@@ -63,11 +63,11 @@ node! {
 }
 
 choice! {
-    /// Where a colour comes from.
+    /// Base colour.
     Base {
         /// The pigment below, from root to tip.
         Melanin = "melanin",
-        /// The hair's own: that of its cluster, of the pen that implanted it, or of a node before.
+        /// The hair's own colour: from its cluster, the pen that implanted it, or an earlier node.
         Own = "own",
     }
 }
@@ -92,7 +92,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let laid = inputs.dye_amount.on(tuft, scalp)?;
         let grey = inputs.grey.on(tuft, scalp)?;
         let old = tuft.view(COLOUR);
-        // What one hair's own pigment is multiplied by: it varies, and some hairs have nearly none.
+        // Factor of one hair's own pigment: it varies, and some hairs have nearly none.
         let own = |i: usize| {
             let (id, first) = (tuft.id(i), tuft.offsets()[i] as usize);
             let vary = match inputs.variation {
@@ -128,8 +128,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// How grey a hair is, 0 to 1, that drew `chance` (0 to 1) where the share of grey hairs is `share`. It grows with the
-/// share; a share of 0 greys none and a share of 1 all, however soft.
+/// How grey a hair is, 0 to 1, that drew `chance` (0 to 1) where the fraction of grey hairs is `share`. It grows with
+/// `share`; a share of 0 greys none and a share of 1 all, at any softness.
 fn greyness(share: f32, softness: f32, chance: f32) -> f32 {
     if softness == 0.0 {
         return if chance < share { 1.0 } else { 0.0 };
@@ -190,7 +190,7 @@ mod tests {
         let with = |more: (&'static str, Value)| [plain(0.87, 0.87), vec![more]].concat();
         let half = with(("amount", Value::Float(0.5)));
         check(&half, 2, 4, colour_of((brown + absorption_of(COLOUR.default)) * 0.5));
-        // All grey: a fiftieth and a little more of the pigment.
+        // All grey: slightly more than a fiftieth of the pigment.
         check(&with(("grey", Value::Float(1.0))), 2, 1, colour_of(brown * 0.04));
         check(&with(("grey", Value::Float(0.0))), 1, 1, colour_of(brown));
         let red = Vec3::new(0.5, 0.05, 0.05);
@@ -198,12 +198,12 @@ mod tests {
         check(&dye, 1, 1, colour_of(blond + absorption_of(red)));
         let weak = ("dye_amount", Field::Attribute("half".into()).into());
         check(&[dye, vec![weak]].concat(), 2, 1, colour_of(blond + absorption_of(red) * 0.5));
-        // What the hair has itself is kept, and varied and dyed all the same.
+        // The hair's own colour is kept, and varied and dyed all the same.
         let own = ("from", Value::Text("own".into()));
         check(&with(own.clone()), 2, 4, COLOUR.default);
         let dye = [plain(0.3, 0.3), vec![own, ("dye", Value::Vec3(red))]].concat();
         check(&dye, 2, 1, colour_of(absorption_of(COLOUR.default) + absorption_of(red)));
-        // Nothing laid on changes nothing.
+        // An amount of 0 changes nothing.
         let tuft = coloured(1, &with(("amount", Value::Float(0.0))));
         assert!(tuft.attribute(COLOUR.name).is_none());
     }

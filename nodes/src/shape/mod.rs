@@ -1,4 +1,4 @@
-//! Nodes that change curves: length, place, width, colour; by hand, single ones, or take these out.
+//! Nodes that change curves: length, position, width, colour; by hand, single hairs, or remove them.
 
 use crate::define::NodeDef;
 

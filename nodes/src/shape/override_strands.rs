@@ -1,11 +1,12 @@
-//! Override strands: single hairs changed by hand, each told by its id.
+//! Override strands: single hairs changed by hand, each identified by its id.
 //!
-//! methods.md 6, "Beyond": per-strand overrides. Ids do not depend on how much hair is made, so an override outlives a change of
-//! density, of the nodes before it and of the head.
+//! methods.md 6, "Beyond": per-strand overrides. Ids do not depend on the amount of hair, so an override survives a
+//! change of density, of upstream nodes and of the head.
 //!
-//! Guarantees: hairs that no override names are the same bits; roots and ids stay; turning and lifting keep a hair's shape, so far
-//! as the skin leaves it room; no point ends up deeper in the skin than it was allowed. Not promised: that a hair's values go with
-//! its length (each point keeps its own); that a hair of two or three points, which cannot bend, stays out of the skin between.
+//! Guarantees: hairs that no override names keep their bits; roots and ids stay; turning and lifting keep a hair's
+//! shape, as far as the skin leaves room; no point ends up deeper in the skin than allowed. Not promised: that a hair's
+//! values follow its length (each point keeps its own); that a hair of two or three points, which cannot bend, stays
+//! out of the skin in between.
 
 use crate::data::attributes::{ALLOW_DEPTH, COLOUR, Domain, FIBRE, WIDTH};
 use crate::data::curves::{Curves, Tuft};
@@ -19,10 +20,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Changes single hairs by hand: take one out, shorten, turn, lift, thicken or colour it.
+    /// Changes single hairs by hand: remove, shorten, turn, lift, thicken or colour them.
     ///
-    /// The spreadsheet and the viewport show a hair's id. What is said of an id goes for that hair alone, however much hair is
-    /// made.
+    /// The spreadsheet and the viewport show a hair's id. An override affects that hair only, and stays with it at any
+    /// density.
+    ///
+    /// Changes: `remove`; `length` in cm (cut, or stretched in proportion); `turn` in degrees about the scalp normal,
+    /// counterclockwise seen from outside; `lift` in degrees off the skin; `width` as a factor; `colour` as linear red,
+    /// green, blue. Angles run from -180 to 180.
     "override_strands", version 1, label "Override strands",
         words "override edit single hair strand stray pluck remove delete tweak manual hand paint fix flyaway select id", thins;
     inputs {
@@ -30,23 +35,21 @@ node! {
         curves: Curves;
         /// The head.
         scalp: Arc<Scalp>;
-        /// What is changed: an id and what is asked of it, such as `57d468d8e00ddc87 turn 20, lift 10; 4d36 remove`. `remove`;
-        /// `length` in cm: cut, or made longer in proportion; `turn` in degrees about the scalp's normal, counter-clockwise from
-        /// outside; `lift` in degrees off the skin; `width` times as thick; `colour` red, green and blue, linear. Angles are
-        /// in degrees, from -180 to 180.
+        /// Overrides, each an id and its changes (remove, length, turn, lift, width, colour), such as `57d468d8e00ddc87
+        /// turn 20, lift 10; 4d36 remove`.
         overrides: Arc<str> = "", words("ids list edits");
     }
     outputs {
-        /// The hair, with the named ones changed or taken out.
+        /// The hair, with the named ones changed or removed.
         curves: Curves;
     }
 }
 
-/// What is asked of one hair.
+/// Changes of one hair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Change {
     remove: bool,
-    /// Cm; none: as long as it is.
+    /// In cm; `None`: unchanged.
     length: Option<f32>,
     /// Degrees.
     turn: f32,
@@ -55,7 +58,7 @@ struct Change {
     colour: Option<Vec3>,
 }
 
-/// Lengths that can be asked for, cm.
+/// Range of lengths, cm.
 const LENGTHS: std::ops::RangeInclusive<f32> = 0.01..=1000.0;
 /// The most ids that a message names.
 const NAMED: usize = 4;
@@ -81,7 +84,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     for (tuft, i) in inputs.curves.each() {
         missing.remove(&tuft.id(i));
     }
-    // A tenth of the hair lacks most of them, and nothing is wrong.
+    // At preview quality most ids are missing, which is not an error.
     if !missing.is_empty() && cx.quality == Quality::Final {
         let ids: Vec<String> = missing.keys().take(NAMED).map(|id| format!("{id:016x}")).collect();
         let more = if missing.len() > NAMED { ", ..." } else { "" };
@@ -95,7 +98,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// What a text asks for, and what is wrong with entries that ask for nothing.
+/// The changes in a text, and messages for invalid entries.
 fn read(text: &str) -> (BTreeMap<u64, Change>, Vec<String>) {
     let (mut found, mut wrong): (BTreeMap<u64, Change>, _) = (BTreeMap::new(), vec![]);
     for entry in text.split([';', '\n']).map(str::trim).filter(|entry| !entry.is_empty()) {
@@ -118,7 +121,7 @@ fn read(text: &str) -> (BTreeMap<u64, Change>, Vec<String>) {
 }
 
 impl Change {
-    /// Takes one word with its numbers.
+    /// Parses one word with its numbers.
     fn take(&mut self, one: &str) -> Result<(), String> {
         let mut words = one.split_whitespace();
         let word = words.next().unwrap_or_default();
@@ -147,7 +150,7 @@ impl Change {
         }
         Ok(())
     }
-    /// Shapes a curve about its root; gives its length as a share of what it was.
+    /// Shapes a curve about its root; returns its length relative to the original.
     fn shape(&self, curve: &mut [Vec3], scalp: &Scalp) -> Result<f32, CurveFault> {
         let (root, mut share) = (curve[0], 1.0);
         if let Some(length) = self.length {
@@ -168,7 +171,7 @@ impl Change {
             return Ok(share);
         };
         let turn = turned(normal, self.turn);
-        // It lies in the direction of its middle; upright it has none, and is lifted in any.
+        // Its direction is that of its middle; an upright hair has none and is lifted in any direction.
         let way = turn * (curve[curve.len() / 2] - root);
         let aside = way.cross(normal).try_normalize();
         let lift = aside.map_or(Quat::IDENTITY, |aside| turned(aside, self.lift));
@@ -249,7 +252,7 @@ fn on_points<T>(tuft: &Tuft, at: impl Fn(usize, usize) -> T) -> Vec<T> {
         .collect()
 }
 
-/// A turn by so many degrees about a unit axis.
+/// A rotation by this angle about a unit axis.
 fn turned(axis: Vec3, degrees: f32) -> Quat {
     let (sin, cos) = sin_cos(0.5 * degrees.to_radians());
     Quat::from_xyzw(axis.x * sin, axis.y * sin, axis.z * sin, cos)
@@ -305,7 +308,7 @@ mod tests {
         let (a, b) = (old.curve(1), new.curve(1));
         let far = |c: &[Vec3]| c[0].distance(c[12]);
         assert!((far(a) - far(b)).abs() < 1e-4);
-        // A quarter turn from x, counter-clockwise seen from above: towards -z.
+        // A quarter turn from x, counterclockwise seen from above: toward -z.
         let way = b[12] - b[0];
         assert!(way.z < -2.9 && way.x.abs() < 1.0, "{way}");
     }

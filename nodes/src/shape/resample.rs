@@ -1,4 +1,4 @@
-//! Resample: the same curves with other points.
+//! Resample: the same curves with other CVs.
 
 use crate::data::attributes::{Column, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -7,40 +7,40 @@ use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::spline::Spline;
 
 node! {
-    /// Give curves another number of points, evenly spaced along their length.
+    /// Gives curves another number of CVs, evenly spaced along their length.
     ///
-    /// The curve through the new points follows the old one; roots and tips stay exactly where they are.
-    /// Attributes of points are interpolated, those of curves are kept.
+    /// The new curve follows the old one; roots and tips stay exactly in place. CV attributes are interpolated, curve
+    /// attributes kept.
     "resample", version 1, label "Resample", words "points cvs segments subdivide resolution rebuild smooth simplify";
     inputs {
         /// Curves to resample.
         curves: Curves;
-        /// Whether the number of points is given, or their distance.
+        /// Set the number of CVs, or their spacing.
         by: By = By::Count;
-        /// Points on each curve, root and tip included, when resampling by count.
+        /// CVs per curve, root and tip included, when by count.
         count: i64 = 16, hard(2.0, 4096.0), soft(4.0, 64.0), unit(Count),
             idle(|of| unless(of, "by", "count", "points go by their spacing"));
-        /// Distance between points, when resampling by distance. Each curve gets the number that comes closest.
+        /// Distance between CVs, when by spacing. Each curve gets the count that comes closest.
         spacing: f32 = 0.5, hard(0.001, 1000.0), soft(0.05, 2.0), unit(Length),
             idle(|of| unless(of, "by", "spacing", "points are counted"));
     }
     outputs {
-        /// The same curves with other points.
+        /// The resampled curves.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What decides the number of points.
+    /// What sets the number of CVs.
     By {
-        /// The same number on every curve.
+        /// The same number for every curve.
         Count = "count",
-        /// The same distance on every curve.
+        /// The same spacing for every curve.
         Spacing = "spacing",
     }
 }
 
-/// The most points one curve is given by spacing.
+/// The most CVs per curve when resampling by spacing.
 const MOST: f32 = 4096.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -65,7 +65,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Every curve of `tuft` with `count(length)` points at even arc length. Curves without length are left out and noted.
+/// Every curve of `tuft` with `count(length)` points, evenly spaced by arc length. Curves without length are dropped
+/// and reported.
 pub(crate) fn resample(
     tuft: &Tuft,
     count: impl Fn(f32) -> usize,
@@ -74,7 +75,7 @@ pub(crate) fn resample(
     let mut out = TuftBuilder::new();
     let mut spline = Spline::default();
     let mut kept = vec![];
-    // For each new point: the old point before it and the fraction of the way to the next.
+    // For each new point: the old point before it and the fraction toward the next.
     let mut places: Vec<(u32, f32)> = vec![];
     let mut points = vec![];
     for i in 0..tuft.len() {
@@ -105,7 +106,7 @@ pub(crate) fn resample(
     Ok(out.build())
 }
 
-/// Values between old points: numbers and vectors are interpolated, ids and counts taken from before.
+/// Values between old points: numbers and vectors are interpolated, ids and counts taken from the previous point.
 pub(crate) fn between(column: &Column, places: &[(u32, f32)]) -> Column {
     macro_rules! lerp {
         ($variant:ident, $values:expr) => {

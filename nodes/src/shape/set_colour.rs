@@ -1,7 +1,7 @@
 //! Set colour: the colour of hair from root to tip.
 //!
-//! Guarantees: nothing else changes and nothing else is copied; a colour that is the same everywhere is stored
-//! once. Colours are linear Rec.709.
+//! Guarantees: nothing else changes and nothing else is copied; a constant colour is stored once. Colours are linear
+//! Rec.709.
 
 use super::along::{Held, lay};
 use crate::data::attributes::COLOUR;
@@ -15,24 +15,24 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Colour hair, from root to tip and a little differently from hair to hair.
+    /// Colours hair from root to tip, with variation from hair to hair.
     "set_colour", version 1, label "Set colour", words "color flat rgb paint dye highlights tint ombre";
     inputs {
         /// Hair to colour.
         curves: Curves;
-        /// The head; needed by masks only.
+        /// The head; only masks need it.
         scalp: Option<Arc<Scalp>>;
         /// Colour at the root.
         root: Colour = COLOUR.default, words("color");
         /// Colour at the tip.
         tip: Colour = COLOUR.default, words("color ombre");
-        /// How the colour goes from that of the root (0) to that of the tip (1), root at the left.
+        /// Blend from the root colour (0) to the tip colour (1), along the hair.
         profile: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gradient blend falloff");
-        /// How much of the new colour covers the old: 0 leaves hair as it is, 1 covers it. A mask makes streaks.
+        /// Blend from the old colour (0) to the new one (1). A mask makes streaks.
         amount: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("mix opacity mask highlights");
-        /// How much darker or lighter single hairs are: 0.3 means up to about a third.
+        /// Random variation in brightness between hairs: 0.3 means up to about a third.
         variation: f32 = 0.15, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("random vary");
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {

@@ -1,6 +1,6 @@
-//! Set width: the thickness of hair from root to tip.
+//! Set width: the width of hair from root to tip.
 //!
-//! Guarantees: nothing else changes and nothing else is copied; a width that is the same everywhere is stored once.
+//! Guarantees: nothing else changes and nothing else is copied; a constant width is stored once.
 
 use super::along::{Held, lay};
 use crate::data::attributes::WIDTH;
@@ -12,28 +12,28 @@ use crate::eval::EvalCx;
 use std::sync::Arc;
 
 node! {
-    /// Set how thick hairs are, from root to tip.
+    /// Sets the width of hairs from root to tip.
     "set_width", version 1, label "Set width", words "thickness taper radius diameter profile hair curve tip";
     inputs {
         /// Hair to change.
         curves: Curves;
-        /// The head; needed by masks only.
+        /// The head; only masks need it.
         scalp: Option<Arc<Scalp>>;
-        /// Diameter at the root. Human hair has 0.005 to 0.012 cm; renders often look best a little above.
+        /// Diameter at the root. Human hair has 0.005 to 0.012 cm; slightly more often renders better.
         root: f32 = 0.008, hard(0.0, 10.0), soft(0.001, 0.05), unit(Length), words("thickness diameter");
         /// Diameter at the tip.
         tip: f32 = 0.003, hard(0.0, 10.0), soft(0.0, 0.05), unit(Length), words("thickness diameter");
-        /// How the width goes from that of the root (0) to that of the tip (1), root at the left.
+        /// Blend from the root width (0) to the tip width (1), along the hair.
         profile: Arc<Ramp> = Ramp::linear(0.0, 1.0), words("taper shape falloff");
         /// Multiplies the width: a mask, an attribute or a number.
         scale: FieldInput = 1.0, hard(0.0, 1000.0), soft(0.0, 2.0), unit(None);
-        /// How much thinner or thicker a hair may be than others, drawn for each: 0.2 means by up to a fifth.
+        /// Random variation in width between hairs: 0.2 means by up to a fifth.
         variation: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("random vary");
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, as wide as asked.
+        /// The same hair, with the new width.
         curves: Curves;
     }
 }

@@ -1,8 +1,7 @@
-//! Transform: curves moved, turned and scaled.
+//! Transform: moves, rotates and scales curves.
 //!
-//! Guarantees: ids stay; attributes that are directions turn, those that are lengths scale; at the identity the
-//! input is handed on as it is. Not promised: that roots still lie on the scalp; the binding keeps telling where
-//! the curve grew unless it is made anew.
+//! Guarantees: ids stay; direction attributes rotate, length attributes scale; the identity returns the input itself.
+//! Not promised: that roots still lie on the scalp; the binding refers to where the curve grew unless it is renewed.
 
 use crate::data::attributes::{
     ALLOW_DEPTH, Domain, FIBRE, Item, NORMAL, PUFF_CENTRE, PUFF_RADIUS, RADIUS, ROOT_BARY,
@@ -17,49 +16,48 @@ use glam::{Mat3, Vec2, Vec3};
 use std::sync::Arc;
 
 node! {
-    /// Move, turn and scale curves as a whole.
+    /// Moves, rotates and scales curves as a whole.
     "transform", version 1, label "Transform", words "move translate rotate scale mirror place position xform flip";
     inputs {
         /// Curves to move.
         curves: Curves;
-        /// The head, whose frame is meant by the space "head", and to which roots may be bound again.
+        /// The head: the space "head" uses its frame, and roots can be bound to it again.
         scalp: Option<Arc<Scalp>>;
-        /// Whose axes and whose centimetres the numbers below are in.
+        /// Axes and units of the values below.
         space: Space = Space::Head, words("local world coordinates");
-        /// How far to move, after turning and scaling.
+        /// Translation, applied after rotation and scale.
         translate: Vec3 = Vec3::ZERO, unit(Length), words("offset position move");
-        /// Degrees to turn about the x, then the y, then the z axis.
+        /// Rotation in degrees about the x, then the y, then the z axis.
         rotate: Vec3 = Vec3::ZERO, unit(Angle), words("orient turn");
-        /// Factor along each axis, before turning. -1 mirrors.
+        /// Scale along each axis, applied before rotation. -1 mirrors.
         scale: Vec3 = Vec3::ONE, words("size mirror");
-        /// The point that stays where it is when turning and scaling.
+        /// Point that stays in place under rotation and scale.
         pivot: Vec3 = Vec3::ZERO, unit(Length), words("origin centre center"), handle(Handle::Point);
-        /// What the root binding says afterwards.
+        /// What happens to the root binding.
         roots: Roots = Roots::Keep, words("binding attach");
     }
     outputs {
-        /// The same curves elsewhere.
+        /// The transformed curves.
         curves: Curves;
     }
 }
 
 choice! {
-    /// Whose axes are meant.
+    /// Axes and units of the values.
     Space {
-        /// The head's: x to its left, y up, z forward, from the centre of the cranium, in centimetres on a head of
-        /// average size.
+        /// The head frame: x to the head's left, y up, z forward, from the centre of the cranium, in head units.
         Head = "head",
-        /// The file's axes and true centimetres.
+        /// World axes and true centimetres.
         World = "world",
     }
 }
 
 choice! {
-    /// What the root binding says afterwards.
+    /// What happens to the root binding.
     Roots {
-        /// Where the curve grew, so that masks read the same as before.
+        /// Keeps the binding to where the curve grew, so that masks read the same as before.
         Keep = "keep",
-        /// The point of the scalp nearest to the new root. Needs the scalp.
+        /// Binds to the point of the scalp nearest to the new root. Needs the scalp.
         Bind = "bind",
     }
 }
@@ -102,11 +100,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         _ => frame.point_from_head(inputs.pivot),
     };
     let shift = frame.vector_from_head(inputs.translate) * frame.unit();
-    // Lengths across a curve grow with the cube root of the volume.
+    // Lengths across a curve scale with the cube root of the volume.
     let volume = (inputs.scale.x * inputs.scale.y * inputs.scale.z).abs();
     let grown = if volume > 0.0 { exp(ln(volume) / 3.0) } else { 1.0 };
     let grown = if (grown - 1.0).abs() < 1e-6 { 1.0 } else { grown };
-    // Normals go by the inverse transpose, of which the cofactors are a multiple.
+    // Normals transform by the inverse transpose, which is proportional to the cofactors.
     let [a, b, c] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let flip = if a.dot(b.cross(c)) < 0.0 { -1.0 } else { 1.0 };
     let cofactors = Mat3::from_cols(b.cross(c), c.cross(a), a.cross(b)) * flip;
@@ -155,7 +153,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Puts every value of an attribute, where the tuft has it, through `f`.
+/// Applies `f` to every value of an attribute, if the tuft has it.
 fn each_value<T: Item>(
     out: &mut TuftBuilder,
     tuft: &crate::data::curves::Tuft,
@@ -170,7 +168,7 @@ fn each_value<T: Item>(
     }
 }
 
-/// Turns about x, then y, then z, degrees.
+/// Rotation about x, then y, then z, degrees.
 fn rotation(degrees: Vec3) -> Mat3 {
     let [x, y, z] = degrees.to_array().map(|d| sin_cos((d % 360.0).to_radians()));
     let about_x = Mat3::from_cols(Vec3::X, Vec3::new(0.0, x.1, x.0), Vec3::new(0.0, -x.0, x.1));
@@ -206,7 +204,7 @@ mod tests {
         }
         assert!(tuft.view(NORMAL).at(0, 0).distance(normal) < 1e-5);
         assert!((tuft.view(RADIUS).at(0, 0) - radius).abs() < 1e-5);
-        // What a hair tells of its puff and its tie goes along.
+        // A hair's data about its puff and its tie is transformed as well.
         assert!(tuft.view(PUFF_CENTRE).at(0, 0).distance(points[1]) < 1e-5);
         assert!((tuft.view(TIE_RADIUS).at(0, 0) - radius).abs() < 1e-5);
     }

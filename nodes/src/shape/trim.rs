@@ -1,12 +1,12 @@
-//! Trim: hair cut to a shape, as shears cut it.
+//! Trim: hair cut to a shape, as with shears.
 //!
-//! Every hair keeps the part from its root to where it first leaves the shape. Hair that stays inside is not touched; of hair
-//! rooted outside the shape a stub is left.
+//! Every hair keeps the part from its root to where it first leaves the shape. Hair that stays inside is unchanged;
+//! hair rooted outside the shape keeps a stub.
 //!
-//! Guarantees: roots, ids and what lies inside stay; a hair that was cut ends on the outline, or as far from it as `softness`
-//! says, to 1e-3 of its length, or on the skin over it; it keeps the distance of its points, and a `fibre_length` in proportion; no
-//! point is made deeper under the skin than the hair allows. Not promised: a shape that is hollow or has arms: outlines are seen
-//! from their middle, and the outermost wall in each direction counts.
+//! Guarantees: roots, ids and everything inside stay; a cut hair ends on the outline, or as far from it as `softness`
+//! says, to 1e-3 of its length, or on the skin above it; it keeps the spacing of its points, and a `fibre_length` in
+//! proportion; no point becomes deeper below the skin than the hair allows. Not promised: shapes that are hollow or
+//! have arms: outlines are seen from their centre, and the outermost wall in each direction counts.
 
 use crate::data::attributes::{ALLOW_DEPTH, Attribute, Domain, FIBRE};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -21,62 +21,63 @@ use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 node! {
-    /// Cuts hair to a shape: a ball or an egg round the head, a closed mesh, or outlines drawn from front and side.
+    /// Cuts hair to a shape: an ellipsoid around the head, a closed mesh, or outlines drawn in front and side view.
     ///
-    /// Each hair is kept from its root to where it first leaves the shape. Wire it before Shape-list curl, so that no points are
-    /// spent on what is cut off; it cuts curled hair too.
+    /// Each hair keeps the part from its root to where it first leaves the shape. Wire it before Shape-list curl, so
+    /// that no CVs are spent on hair that gets cut off; it cuts curled hair too.
     "trim", version 1, label "Trim",
         words "trim cut shears scissors haircut barber shape outline silhouette afro round topiary crop clip ellipsoid";
     inputs {
         /// Hair to cut.
         curves: Curves;
-        /// The head that the shape stands on.
+        /// The head that the shape is placed on.
         scalp: Arc<Scalp>;
-        /// What the hair is cut to.
+        /// Shape to cut the hair to.
         shape: Shape = Shape::Ellipsoid, words("outline silhouette ellipsoid mesh drawn");
-        /// Middle of the shape, in head units (cm on a head of average size) from the middle of the cranium.
+        /// Centre of the shape, in head units (cm on a head of average size) from the centre of the cranium.
         centre: Vec3 = Vec3::new(0.0, 1.5, -1.5), handle(Handle::Point), words("middle position place");
-        /// Half axes of the ellipsoid: to the side, up, ahead.
+        /// Half axes of the ellipsoid: sideways, up, forward.
         size: Vec3 = Vec3::new(14.0, 14.0, 14.0), unit(Length), words("radius width height depth ellipsoid"),
             idle(|of| unless(of, "shape", "ellipsoid", "the shape is no ellipsoid"));
-        /// How far the shape leans back about its middle.
+        /// How far the shape leans back about its centre.
         tilt: f32 = 0.0, hard(-180.0, 180.0), soft(-60.0, 60.0), unit(Angle), words("lean rotate");
-        /// Closed mesh that hair is cut to, where it is: a Head node that reads it, without a fit. The shape's middle is the mesh's.
+        /// Closed mesh to cut to, used at its own position: wire a Head node that reads it, with no fit. The shape is
+        /// centred on the mesh.
         mesh: Option<Arc<Scalp>>, words("volume outline topiary");
-        /// Closed outline as seen from the front, drawn round the shape's middle.
+        /// Closed outline in front view, drawn around the shape's centre.
         front: Option<Curves>, words("outline silhouette draw stroke");
-        /// Closed outline as seen from the side, drawn round the shape's middle.
+        /// Closed outline in side view, drawn around the shape's centre.
         side: Option<Curves>, words("outline silhouette draw stroke");
-        /// How far ends may lie within or outside the outline; most lie close to it. 0 is a clean cut.
+        /// How far ends may lie inside or outside the outline; most lie close to it. 0 is a clean cut.
         softness: f32 = 0.0, hard(0.0, 20.0), soft(0.0, 2.0), unit(Length), words("fuzzy uneven natural edge point");
-        /// The least that is left of a hair that was longer, even outside the shape.
+        /// Shortest length that a cut leaves, even outside the shape.
         least: f32 = 0.3, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("minimum stub stubble hairline");
-        /// Whether lengths follow the head's size.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, none longer than the shape lets it be.
+        /// The same hair, cut to the shape.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What hair is cut to.
+    /// Shape to cut the hair to.
     Shape {
-        /// A ball, stretched along its three axes.
+        /// An ellipsoid with its own size along three axes.
         Ellipsoid = "ellipsoid",
         /// A closed mesh.
         Mesh = "mesh",
-        /// Outlines drawn from front and side; the ellipsoid's width, height or depth where one is missing.
+        /// Outlines drawn in front and side view; the ellipsoid's width, height or depth where one is missing.
         Drawn = "drawn",
     }
 }
 
-/// Halvings of the piece of a hair in which the outline lies.
+/// Bisections of the segment of a hair that crosses the outline.
 const HALVINGS: usize = 12;
-/// Samples of a hair at which it is asked whether it is still inside: so many for each of its points.
+/// Samples per point of a hair at which it is tested against the shape.
 const SAMPLES: usize = 3;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -116,7 +117,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let dice = cx.dice(inputs.seed, "trim");
     let skin = inputs.scalp.skin();
     let (soft, least) = (inputs.softness * unit, inputs.least * unit);
-    // Cm by which a point lies outside the outline.
+    // Distance of a point outside the outline, cm.
     let over = |p: Vec3| {
         let off = p - centre;
         let far = off.length();
@@ -139,11 +140,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Points on what is left of a hair, at least.
+/// Fewest points on the rest of a hair.
 const FEWEST: usize = 4;
 
-/// Every curve of `tuft` up to where `over` of it and its id first is more than 0, but at least `least` cm. Curves without length
-/// are left out and noted.
+/// Every curve of `tuft` up to where `over` of it and its id first exceeds 0, but at least `least` cm. Curves without
+/// length are dropped and reported.
 fn cut(
     tuft: &Tuft,
     over: impl Fn(Vec3, u64) -> f32,
@@ -154,7 +155,7 @@ fn cut(
     let mut spline = Spline::default();
     let depth = tuft.view(ALLOW_DEPTH);
     let (mut kept, mut shares, mut points) = (vec![], vec![], vec![]);
-    // For each new point: the old point before it and the fraction of the way to the next.
+    // For each new point: the old point before it and the fraction toward the next.
     let mut places: Vec<(u32, f32)> = vec![];
     for i in 0..tuft.len() {
         piece.tick()?;
@@ -181,14 +182,14 @@ fn cut(
             places.extend((0..old.len()).map(place));
             continue;
         }
-        // Between its points a hair may dip into the skin.
+        // Between its points, a hair may dip into the skin.
         let made =
             |p: Vec3, span: usize| skin.lift_exactly(p, -depth.at(i, first as usize + span)).0;
         let share = end / long;
         shares.push(share);
         points.clear();
-        // Where a point of the hair is kept the hair lies as it did: out of the skin. The last of them is no nearer to the cut than
-        // half the way to the next.
+        // Where a point of the hair is kept, the hair stays in place: out of the skin. The last of them is no nearer to
+        // the cut than half the distance to the next.
         let cut = spline.locate_length(end);
         let whole = if cut.t < 0.5 { cut.span } else { cut.span + 1 };
         if whole >= FEWEST - 1 {
@@ -224,7 +225,7 @@ fn cut(
     Ok(out.build())
 }
 
-/// Arc length from the root at which a curve of `n` points first is outside; none where it never is.
+/// Arc length from the root at which a curve of `n` points is first outside; `None` if it never is.
 fn end(spline: &Spline, n: usize, over: impl Fn(Vec3) -> f32) -> Option<f32> {
     let samples = n * SAMPLES;
     let at = |k: usize| spline.length() * k as f32 / samples as f32;
@@ -296,7 +297,7 @@ mod tests {
             if long < 9.999 {
                 cuts += 1;
                 assert!((inside(tip) - 1.0).abs() < 1e-3 || long < 0.31 * unit, "{}", inside(tip));
-                // What is left lies where it lay: hair that a node led out of the skin stays out of it.
+                // The rest stays in place: hair that a node led out of the skin stays out of it.
                 let kept = b.len() - 1;
                 assert!(long < 3.0 || a[..kept] == b[..kept], "{long}");
             } else {

@@ -1,6 +1,7 @@
-//! What lies about a stroke on the picture: the ends, the hair and the skin that tell which gesture it is, and what a touch would do.
+//! Context of a stroke in the picture: the tips, hair and skin that identify its gesture, and what a touch would do.
 //!
-//! Guarantees: told from the curves as they are and the gesture's own view, never from a window; what the head hides does not count.
+//! Guarantees: computed from the current curves and the gesture's own view, never from a window; whatever the head
+//! hides does not count.
 
 use super::classify::Around;
 use super::hand::off_line;
@@ -12,7 +13,7 @@ use crate::data::scalp::Scalp;
 use crate::maths::closest::Hit;
 use glam::{Vec2, Vec3};
 
-/// Curves on a head, as a view shows them.
+/// Curves on a head, in a view.
 pub struct Ground<'a> {
     seen: Seen,
     scalp: &'a Scalp,
@@ -21,11 +22,11 @@ pub struct Ground<'a> {
     rho: f32,
 }
 
-/// A thin curve is as wide as this on the picture for what crosses or meets it, pixels.
+/// A thin curve counts as this wide in the picture for crossing tests, pixels.
 const THIN: f32 = 3.0;
 
 impl<'a> Ground<'a> {
-    /// Curves on a head under a view. `rho` is the reach of the pen in pixels.
+    /// Curves on a head in a view. `rho` is the reach of the pen in pixels.
     pub fn new(view: &View, scalp: &'a Scalp, curves: &'a Curves, rho: f32) -> Self {
         Self { seen: Seen::new(view, scalp.frame()), scalp, curves, rho }
     }
@@ -40,7 +41,7 @@ impl<'a> Ground<'a> {
         self.seen.head(self.scalp, at)
     }
 
-    /// The curve that ends nearest to a pixel within the pen's reach, and where its tip is drawn.
+    /// The curve whose tip is nearest to a pixel within the pen's reach, and the drawn position of its tip.
     pub fn end(&self, at: Vec2) -> Option<(u64, Vec2)> {
         let tips = self.curves.each().filter_map(|(tuft, i)| {
             let tip = *tuft.curve(i).last().filter(|_| tuft.curve(i).len() > 1)?;
@@ -51,7 +52,7 @@ impl<'a> Ground<'a> {
         tips.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(id, drawn, _)| (id, drawn))
     }
 
-    /// Whether hair is drawn within the pen's reach of a pixel.
+    /// Whether there is hair within the pen's reach of a pixel.
     pub fn hair(&self, at: Vec2) -> bool {
         self.curves.each().any(|(tuft, i)| {
             tuft.curve(i).windows(2).any(|pair| {
@@ -80,7 +81,7 @@ impl<'a> Ground<'a> {
         })
     }
 
-    /// What lies about a stroke from one pixel to another.
+    /// The context of a stroke from one pixel to another.
     pub fn around(&self, from: Vec2, to: Vec2, eraser: bool, layer: Layer) -> Around {
         Around {
             eraser,
@@ -95,14 +96,14 @@ impl<'a> Ground<'a> {
         Some([self.seen.pixel(pair[0])?, self.seen.pixel(pair[1])?])
     }
 
-    /// How wide hair of a radius is drawn at a place, pixels to each side.
+    /// Drawn half-width of hair with a radius at a position, pixels.
     fn width(&self, radius: f32, at: Vec3) -> f32 {
         let wide = radius / self.seen.cm_per_pixel(self.seen.depth(at));
         if wide.is_finite() { wide.max(THIN) } else { THIN }
     }
 }
 
-/// Where a line crosses a piece of a curve, as a part of the piece.
+/// Where a line crosses a segment of a curve, as a fraction of the segment.
 fn crossing(from: Vec2, to: Vec2, a: Vec2, b: Vec2) -> Option<f32> {
     let (line, piece, off) = (to - from, b - a, from - a);
     let across = piece.perp_dot(line);

@@ -1,7 +1,7 @@
 //! Soft brushes beyond the paper: smooth, puff, grab and straighten, each with a size and a falloff.
 //!
-//! Guarantees of all: what [`super::relax`] keeps; CVs farther from the brush than its size do not move by it, but those behind
-//! them follow, for lengths stay.
+//! Guarantees of all: those of [`super::relax`]; CVs farther from the brush than its size do not move because of it,
+//! but CVs beyond moved ones follow, because lengths stay.
 
 use super::hand::{Hand, Sketch};
 use super::lock::Lock;
@@ -10,9 +10,9 @@ use super::seen::steps;
 use crate::data::gestures::Tool;
 use glam::Vec2;
 
-/// Lift of one step of a puff under the middle of the brush, head units.
+/// Lift of one step of a puff under the centre of the brush, head units.
 const LIFT: f32 = 0.12;
-/// Share of the way to smooth or straight that one step makes there.
+/// Fraction of the way to smooth or straight per step there.
 const SHARE: f32 = 0.35;
 
 pub(super) fn brush(hand: &Hand, sketch: &mut Sketch) {
@@ -31,7 +31,7 @@ pub(super) fn brush(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
-/// 1 under the middle of the brush, 0 at its edge, level at both.
+/// 1 under the centre of the brush, 0 at its edge, flat at both.
 fn falloff(off: f32, size: f32) -> f32 {
     let t = (1.0 - off / size).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -62,7 +62,7 @@ fn brushed(hand: &Hand, line: &[Vec2], size: f32, lock: &mut Lock) -> bool {
     true
 }
 
-/// One place of the brush.
+/// One position of the brush.
 fn step(hand: &Hand, at: Vec2, size: f32, held: usize, lock: &mut Lock) {
     let was = lock.points.clone();
     let last = was.len() - 1;

@@ -1,53 +1,54 @@
-//! Which gesture a pen stroke is: the grammar of the hair sketching paper (section 4) as stated rules.
+//! Identifies the gesture of a pen stroke: the grammar of the hair sketching paper (section 4), as explicit rules.
 //!
-//! The tip: two short taps pin; on the scalp (heavy pressure) any stroke from the head plants hair; else a scribble frizzes, a
-//! stroke that crosses itself in loops twists, a light one from a curve's end lengthens it, and any other combs. The eraser: full
-//! circles change density, a nearly straight stroke across hair cuts.
+//! The tip: two short taps pin; on the scalp (heavy pressure), any stroke from the head implants hair; otherwise a
+//! scribble adds frizz, a stroke with loops twists, a light stroke from a curve's tip lengthens it, and any other
+//! stroke combs. The eraser: full circles change density, a nearly straight stroke across hair cuts.
 //!
-//! Guarantees: a cut is the guess only for an eraser stroke that is straight beyond doubt and crosses hair, or lies at the scalp;
-//! the eraser's end never guesses a tool of the tip, nor the tip one of the eraser's. Where a stroke could be two things the guess
-//! is none, with what to do. Not known here: what is under the stroke; the caller says it in [`Around`].
+//! Guarantees: a cut is guessed only for an eraser stroke that is clearly straight and crosses hair, or lies on the
+//! scalp; the eraser never guesses a tool of the tip, or the tip one of the eraser's. An ambiguous stroke gives no
+//! guess, with advice on what to do. Not known here: what is under the stroke; the caller passes that in [`Around`].
 
 use super::stroke_shape::{Straightness, full_circles, loops, scribble, straightness};
 use crate::data::gestures::{Layer, PenSample, Tool};
 use glam::Vec2;
 
-/// Which gesture a stroke is.
+/// The gesture of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guess {
     /// One of implant, lengthen, cut, density, twist, frizz, comb and pin.
     Is(Tool),
-    /// None for certain: why, and what to do.
+    /// Ambiguous: why, and what to do.
     Unsure(&'static str),
 }
 
-/// What is around a stroke in the picture.
+/// The context of a stroke in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Around {
-    /// Whether it is drawn with the pen's eraser.
+    /// Whether it was drawn with the pen's eraser.
     pub eraser: bool,
     /// How deep it reaches.
     pub layer: Layer,
-    /// Whether it begins within `rho` of the drawn end of a curve.
+    /// Whether it begins within `rho` of the drawn tip of a curve.
     pub near_end: bool,
-    /// Whether the ray through its first sample meets the scalp.
+    /// Whether the ray through its first sample hits the scalp.
     pub starts_on_scalp: bool,
-    /// Whether the straight line from its first to its last sample crosses a drawn curve, with both ends outside the cluster.
+    /// Whether the straight line from its first to its last sample crosses a drawn curve, with both ends outside the
+    /// cluster.
     pub crosses: bool,
 }
 
-/// A tap lasts no longer, seconds.
+/// Longest duration of a tap, seconds.
 const TAP_TIME: f32 = 0.25;
-/// The pause between two taps lasts no longer, seconds.
+/// Longest pause between two taps, seconds.
 const TAP_PAUSE: f32 = 0.4;
-/// A tap stays within this of its middle, in `rho`.
+/// Largest distance of a tap's samples from its centre, in `rho`.
 const TAP_SIZE: f32 = 0.2;
-/// Two taps are no farther apart, in `rho`.
+/// Largest distance of two taps, in `rho`.
 const TAPS_APART: f32 = 0.4;
-/// A stroke that gets no farther from its start than this, in `rho`, has no shape to go by.
+/// A stroke that stays within this distance of its start, in `rho`, has no usable shape.
 const SHORT: f32 = 0.3;
 
-/// Whether a stroke is a tap: within 6 pixels of its middle (of a `rho` of 30), and no longer than 0.25 s.
+/// Whether a stroke is a tap: within 6 pixels of its centre (for a `rho` of 30), and at most 0.25 s long.
 pub fn is_tap(samples: &[PenSample], rho: f32) -> bool {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return false };
     let middle = middle(samples);
@@ -55,9 +56,9 @@ pub fn is_tap(samples: &[PenSample], rho: f32) -> bool {
         && samples.iter().all(|s| s.at.distance(middle) <= rho * TAP_SIZE)
 }
 
-/// Which gesture a stroke is. `before` is the stroke before it, if that was a tap, with its times on the same clock: the times of
-/// the first, counted from the start of the second, are negative. `rho` is the reach of the pen in pixels, 30 in a picture 1000
-/// pixels high.
+/// Identifies the gesture of a stroke. `before` is the previous stroke, if that was a tap, with its times on the same
+/// clock: negative, counted from the start of this stroke. `rho` is the reach of the pen in pixels, 30 in a picture
+/// 1000 pixels high.
 pub fn classify(
     samples: &[PenSample],
     before: Option<&[PenSample]>,
@@ -105,7 +106,7 @@ fn tapped(samples: &[PenSample], before: Option<&[PenSample]>, around: &Around, 
     }
 }
 
-/// What the tip draws.
+/// Gestures of the tip.
 fn drawn(points: &[Vec2], around: &Around, rho: f32) -> Guess {
     match around.layer {
         Layer::Scalp if around.starts_on_scalp => Guess::Is(Tool::Implant),
@@ -119,7 +120,7 @@ fn drawn(points: &[Vec2], around: &Around, rho: f32) -> Guess {
     }
 }
 
-/// What the eraser draws.
+/// Gestures of the eraser.
 fn erased(points: &[Vec2], around: &Around, rho: f32) -> Guess {
     let shape = straightness(points, rho);
     let reached = around.crosses || (around.layer == Layer::Scalp && around.starts_on_scalp);
@@ -141,10 +142,11 @@ fn erased(points: &[Vec2], around: &Around, rho: f32) -> Guess {
     }
 }
 
-/// Above this a stroke that is no cut looks like one: the chord of half a circle by its length, and a bit more.
+/// Above this value, a stroke that is not a cut looks like one: the ratio of chord to length of half a circle, plus a
+/// margin.
 const BENT: f32 = 0.7;
 
-/// Whether a stroke is straight beyond doubt: long enough to tell, and its bow no more than tremor and a twelfth of it.
+/// Whether a stroke is clearly straight: long enough to tell, with a bow of at most tremor plus a twelfth of it.
 fn is_cut(shape: &Straightness, rho: f32) -> bool {
     shape.chord >= rho * 0.7
         && shape.chord_by_length >= 0.85

@@ -1,8 +1,8 @@
-//! Comb: curves are pushed along the stroke (the paper's 4.5).
+//! Comb: pushes curves along the stroke (the paper's 4.5).
 //!
-//! The stroke is cut in segments of rho pixels; each moves the CVs nearer to its start than rho along itself, on the plane of the
-//! picture, their depth kept. Beyond the paper: where asked, what is combed also turns towards the depth in which the curves
-//! about it run, so that it is no surprise from the side.
+//! The stroke is divided into segments of rho pixels; each segment moves the CVs within rho of its start along itself,
+//! parallel to the plane of the picture. Beyond the paper: on request, combed hair also turns toward the depth of the
+//! curves around it, so that it looks right from the side.
 
 use super::hand::{Hand, Sketch};
 use super::lock::Lock;
@@ -11,7 +11,7 @@ use super::seen::steps;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// By how much of rho a CV under the start of a segment is moved by it.
+/// Displacement of a CV at the start of a segment, as a fraction of rho.
 const PUSH: f32 = 0.5;
 
 pub(super) fn comb(hand: &Hand, sketch: &mut Sketch) {
@@ -34,11 +34,11 @@ pub(super) fn comb(hand: &Hand, sketch: &mut Sketch) {
 fn combed(hand: &Hand, line: &[Vec2], lock: &mut Lock, around: Option<&[Arc<Lock>]>) -> bool {
     let (rho, held) = (hand.set.rho, lock.held());
     let rest = Rest::of(&lock.points, held, &hand.skin);
-    // How much each CV was moved, in pushes.
+    // Displacement of each CV, in pushes.
     let mut weights = vec![0.0f32; lock.points.len()];
     for pair in line.windows(2) {
         let (from, way) = (pair[0], pair[1] - pair[0]);
-        // A stroke shorter than a segment pushes as much less.
+        // A stroke shorter than a segment pushes proportionally less.
         let push = way * (PUSH * hand.gesture.strength);
         let mut moved = false;
         for (p, weight) in lock.points.iter_mut().zip(&mut weights).skip(held + 1) {
@@ -64,14 +64,14 @@ fn combed(hand: &Hand, line: &[Vec2], lock: &mut Lock, around: Option<&[Arc<Lock
     true
 }
 
-/// Turns the segments that were combed towards the depth in which curves about them run.
+/// Turns combed segments toward the depth of the curves around them.
 fn turn_with(hand: &Hand, lock: &mut Lock, around: &[Arc<Lock>], weights: &[f32]) {
     let ahead = hand.seen.ahead();
     for (k, weight) in weights.iter().enumerate().skip(lock.held() + 1) {
         let (from, share) = (lock.points[k - 1], weight.min(1.0) * hand.set.follow);
         let way = lock.points[k] - from;
         let Some(slope) = slope_about(hand, lock.id, around, from, way) else { continue };
-        // Its part on the picture stays; how far it leads into it becomes that of the others.
+        // The component in the picture stays; the depth component becomes that of the other curves.
         let flat = way - ahead * way.dot(ahead);
         let depth = way.dot(ahead);
         let wanted = depth + (slope * flat.length() - depth) * share;
@@ -81,8 +81,8 @@ fn turn_with(hand: &Hand, lock: &mut Lock, around: &[Arc<Lock>], weights: &[f32]
     }
 }
 
-/// How steeply curves near a place lead into the picture, of those that run alike on it: depth by length, the mean weighted by
-/// nearness; none where there are none.
+/// Slope into the picture of curves near a position that run in a similar direction: depth by length, weighted by
+/// proximity; `None` if there are none.
 fn slope_about(hand: &Hand, own: u64, around: &[Arc<Lock>], at: Vec3, way: Vec3) -> Option<f32> {
     let ahead = hand.seen.ahead();
     let flat = |v: Vec3| v - ahead * v.dot(ahead);

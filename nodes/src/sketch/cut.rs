@@ -1,17 +1,18 @@
-//! Cut: curves end where a straight stroke crosses them (the paper's 4.3).
+//! Cut: ends curves where a straight stroke crosses them (the paper's 4.3).
 //!
-//! The stroke has to enter a cluster on one side and leave it on the other. By layer it cuts the nearest, all down to the head, or
-//! removes whole what is rooted where it crosses the head. Beyond the paper: the plane of the stroke stays with the curve, and Cluster to
-//! strands ends each strand in it, so that a cut on a bias is one.
+//! The stroke must enter a cluster on one side and leave it on the other. Depending on the layer, it cuts the nearest
+//! curve, all curves down to the head, or removes whole curves rooted where it crosses the head. Beyond the paper: the
+//! curve stores the plane of the stroke, and Cluster to strands ends each strand in it, so that an angled cut stays
+//! angled.
 
 use super::hand::{Hand, Sketch, off_line};
 use super::lock::{Lock, way};
 use crate::data::gestures::Layer;
 use glam::{Vec2, Vec3};
 
-/// The cosine between hair and the normal of its cut from which on it has a bias: 75 degrees.
+/// A cut is angled if the cosine between the hair and the cut's normal exceeds this: 75 degrees.
 const BIAS: f32 = 0.26;
-/// A curve that would be shorter than this (cm) after a cut is removed whole.
+/// A curve that a cut would make shorter than this (cm) is removed whole.
 const SHORTEST: f32 = 0.1;
 
 pub(super) fn cut(hand: &Hand, sketch: &mut Sketch) {
@@ -38,7 +39,7 @@ pub(super) fn cut(hand: &Hand, sketch: &mut Sketch) {
                 let to = way(&lock.points);
                 let normal = hand.seen.plane(stroke[0], stroke[1]);
                 let normal = if normal.dot(to) < 0.0 { -normal } else { normal };
-                // Along the hair a plane ends nothing.
+                // A plane along the hair ends nothing.
                 lock.cut = (normal.dot(to) > BIAS).then_some([normal, to]);
                 sketch.locks[i] = lock.done();
             }
@@ -67,7 +68,7 @@ fn crossed(hand: &Hand, sketch: &Sketch, stroke: [Vec2; 2]) -> Vec<usize> {
         let at = lock.points[k].lerp(lock.points[k + 1], t);
         let wide =
             lock.radii[k].max(lock.radii[k + 1]) / hand.seen.cm_per_pixel(hand.seen.depth(at));
-        // Both ends beside the cluster as it is drawn.
+        // Both ends must be beside the cluster as drawn.
         let Some(drawn) = hand.drawn(lock) else { continue };
         let drawn: Vec<Vec2> = drawn.into_iter().map(|(at, _)| at).collect();
         let beside = stroke.iter().all(|end| off_line(&drawn, *end) > wide);
@@ -80,8 +81,8 @@ fn crossed(hand: &Hand, sketch: &Sketch, stroke: [Vec2; 2]) -> Vec<usize> {
     met.into_iter().take(most).map(|(i, _)| i).collect()
 }
 
-/// Where a curve is crossed for the first time from its root on: the segment, and how far along it, beyond the last CV that
-/// holds its place or not.
+/// The first crossing of a curve, starting at its root: the segment and the fraction along it, whether or not it is
+/// beyond the last pin.
 fn crossing(hand: &Hand, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(usize, f32)> {
     let drawn = hand.drawn(lock)?;
     drawn.windows(2).enumerate().find_map(|(k, pair)| {
@@ -95,21 +96,21 @@ fn crossing(hand: &Hand, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(usize, f32)>
         if !((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)) {
             return None;
         }
-        // What is even on the picture is not in space.
+        // Linear in the picture is not linear in space.
         let (near, far) = (pair[0].1, pair[1].1);
         let t = if hand.seen.is_parallel() { t } else { t * near / (far + (near - far) * t) };
         Some((k, t))
     })
 }
 
-/// Ends a curve in its segment `k`, `t` along it; CVs about as far apart as they were. False where nothing is left.
+/// Ends a curve in its segment `k`, at the fraction `t`, keeping the spacing of its CVs. False if nothing is left.
 fn shorter(hand: &Hand, lock: &mut Lock, k: usize, t: f32) -> bool {
     let mut kept: Vec<Vec3> = lock.points[..=k].to_vec();
     let mut places: Vec<f32> = (0..=k).map(|k| k as f32).collect();
-    // Between two CVs out of the head a curve may lead through it.
+    // Between two CVs outside the head, a curve may pass through it.
     let (end, _) = hand.skin.lift_exactly(lock.points[k].lerp(lock.points[k + 1], t), 0.0);
     let segment = lock.points[k].distance(lock.points[k + 1]);
-    // A short last segment is made one with that before, if that is free to give way.
+    // A short last segment merges with the previous one, if that is free.
     if t * segment < 0.3 * segment && kept.len() > 1 && !lock.pinned[k] {
         kept.pop();
         places.pop();

@@ -1,11 +1,11 @@
-//! Density: each full circle fills clusters by a twentieth more, clockwise, or less (the paper's 4.4).
+//! Density: each full circle makes clusters a twentieth denser (clockwise) or thinner (the paper's 4.4).
 
 use super::hand::{Hand, Sketch, off_line};
 use super::stroke_shape::full_circles;
 use crate::data::gestures::Layer;
 use glam::Vec2;
 
-/// By how much one circle fills a cluster.
+/// Change of density per circle.
 pub(super) const STEP: f32 = 0.05;
 
 pub(super) fn density(hand: &Hand, sketch: &mut Sketch) {
@@ -34,7 +34,7 @@ fn within(hand: &Hand, sketch: &Sketch, line: &[Vec2]) -> Vec<usize> {
     let locks = sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve());
     match hand.gesture.layer {
         Layer::Nearest => {
-            // The nearest to the circle's middle, and of those as near that nearest to the eye.
+            // The curve nearest to the circle's centre; of equally near ones, the one nearest to the eye.
             if let Some((i, _)) = hand.met(sketch, middle).first() {
                 return vec![*i];
             }
@@ -46,7 +46,7 @@ fn within(hand: &Hand, sketch: &Sketch, line: &[Vec2]) -> Vec<usize> {
             off.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
         }
         Layer::Through => {
-            // Most of its CVs in the circle, on this side of the head.
+            // Most of its CVs inside the circle, on this side of the head.
             let inside = |lock: &super::lock::Lock| {
                 let seen = |p: &&glam::Vec3| {
                     hand.seen.pixel(**p).is_some_and(|at| encloses(line, at))
@@ -66,7 +66,7 @@ fn within(hand: &Hand, sketch: &Sketch, line: &[Vec2]) -> Vec<usize> {
     }
 }
 
-/// Whether a closed line goes round a pixel.
+/// Whether a closed line goes around a pixel.
 fn encloses(line: &[Vec2], at: Vec2) -> bool {
     let mut round = 0;
     let ends = line.iter().zip(line.iter().cycle().skip(1));

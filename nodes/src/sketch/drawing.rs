@@ -1,18 +1,18 @@
-//! A hand that draws for tests: strokes from parameters, with tremor, noise and speed.
+//! A simulated hand for tests: strokes from parameters, with tremor, noise and speed.
 
 use crate::data::gestures::PenSample;
 use crate::maths::hash::Dice;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec2;
 
-/// How a stroke is drawn.
+/// Manner of drawing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hand {
-    /// Pixels between samples: how fast it is.
+    /// Pixels between samples: its speed.
     pub spacing: f32,
-    /// Amplitude of its tremor, pixels, at 9 a second.
+    /// Amplitude of its tremor, pixels, at 9 Hz.
     pub tremor: f32,
-    /// The most that a sample is off, pixels.
+    /// Largest noise of a sample, pixels.
     pub noise: f32,
     pub seed: u64,
 }
@@ -27,7 +27,7 @@ pub(crate) fn turn(turns: f32) -> Vec2 {
 }
 
 impl Hand {
-    /// A hand without faults.
+    /// A hand without noise or tremor.
     pub(crate) fn still(spacing: f32) -> Self {
         Self { spacing, tremor: 0.0, noise: 0.0, seed: 0 }
     }
@@ -61,7 +61,7 @@ impl Hand {
         places.iter().enumerate().map(sample).collect()
     }
 
-    /// The places of the stroke alone.
+    /// The positions of the stroke only.
     pub(crate) fn places(self, line: &[Vec2]) -> Vec<Vec2> {
         self.draw(line).iter().map(|s| s.at).collect()
     }
@@ -72,8 +72,8 @@ fn line(at: impl Fn(f32) -> Vec2) -> Vec<Vec2> {
     (0..=1000).map(|i| at(i as f32 / 1000.0)).collect()
 }
 
-/// Turns clockwise (counter-clockwise: less than 0) on an ellipse of half axes `radius` and `radius * flat`, tilted, from a phase,
-/// whose middle drifts by `drift` a turn.
+/// Turns clockwise (negative: counterclockwise) on an ellipse with half axes `radius` and `radius * flat`, tilted, with
+/// a phase and a centre that drifts by `drift` per turn.
 pub(crate) fn coil(
     radius: f32,
     flat: f32,
@@ -88,8 +88,8 @@ pub(crate) fn coil(
     })
 }
 
-/// To and fro along a direction, as wide as `width` from side to side, with so many reversals; at each swing it leads on by
-/// `advance` across. `bend`, in turns: how far the way on turns over the whole. Round at its ends, or sharp.
+/// Back and forth along a direction, `width` wide from side to side, with this many reversals; each swing advances by
+/// `advance` across. `bend`, in turns: total turn of the direction of advance. Round or sharp at its ends.
 pub(crate) fn zigzag(
     width: f32,
     reversals: u32,
@@ -115,7 +115,8 @@ pub(crate) fn zigzag(
         .collect()
 }
 
-/// A line so long that turns at an even rate, clockwise by `turns` (and back by the second ones after its half).
+/// A line of this length that turns at a constant rate, clockwise by `turns` (and back by the second value after its
+/// half).
 pub(crate) fn arc(length: f32, direction: f32, turns: [f32; 2]) -> Vec<Vec2> {
     let mut at = Vec2::ZERO;
     (0..=1000)
@@ -128,12 +129,13 @@ pub(crate) fn arc(length: f32, direction: f32, turns: [f32; 2]) -> Vec<Vec2> {
         .collect()
 }
 
-/// A spiral outwards or inwards: from one radius to another over so many turns.
+/// A spiral outward or inward: from one radius to another over this many turns.
 pub(crate) fn spiral(from: f32, to: f32, turns: f32, phase: f32) -> Vec<Vec2> {
     line(|t| turn(phase + turns * t) * (from + (to - from) * t))
 }
 
-/// A straight line whose bow is a share of it, and which waves from side to side so often by a share of it.
+/// A straight line with a bow that is a fraction of its length, and a side-to-side wave of a given count and relative
+/// size.
 pub(crate) fn bow(length: f32, direction: f32, bow: f32, wave: f32, times: f32) -> Vec<Vec2> {
     line(|t| {
         let off = bow * 4.0 * t * (1.0 - t) + wave * turn(times * t).y;

@@ -1,4 +1,4 @@
-//! Frizz: how wide a scribble is beside a cluster says how much its strands wander (the paper's 4.5).
+//! Frizz: the width of a scribble beside a cluster sets how much its strands wander (the paper's 4.5).
 
 use super::hand::{Hand, Sketch};
 use super::stroke_shape::scribble;
@@ -14,7 +14,7 @@ pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch) {
     );
     for i in taken {
         let mut lock = (*sketch.locks[i]).clone();
-        // As wide as the cluster is drawn where the scribble began.
+        // The drawn width of the cluster where the scribble began.
         let off = |k: &usize| {
             hand.seen.pixel(lock.points[*k]).map_or(f32::MAX, |at| at.distance(hand.start()))
         };
@@ -29,7 +29,7 @@ pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
-/// The frizz of a scribble: 1 for one as wide as the cluster or wider, 0 for a quarter of that or less.
+/// The frizz of a scribble: 1 if it is as wide as the cluster or wider, 0 if a quarter of that or less.
 pub(super) fn of_amplitude(amplitude: f32, diameter: f32) -> f32 {
     ((amplitude / diameter.max(1e-6) - 0.25) / 0.75).clamp(0.0, 1.0)
 }

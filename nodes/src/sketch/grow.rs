@@ -1,11 +1,12 @@
-//! Implant, silhouette and lengthen: a stroke on the picture becomes a curve in space (the paper's 4.1 and 4.2).
+//! Implant, silhouette and lengthen: a stroke in the picture becomes a curve in space (the paper's 4.1 and 4.2).
 //!
-//! A picture does not say how far a stroke leads into it. Where curves near it run alike on the picture, it goes as deep as they do
-//! on the mean; elsewhere it keeps its depth.
+//! A picture does not show the depth of a stroke. If nearby curves run in a similar direction in the picture, the
+//! stroke takes their mean slope in depth; otherwise it stays at constant depth.
 //!
-//! Guarantees: segments are as long as the node says, to what makes them come out even; the curve starts on the head or at the old
-//! tip, and none of its other CVs lies under the skin; one implant replaces the curves whose disc holds its root. Once drawn
-//! (its root is known) it replaces those it names and no others, so that on a head where roots lie closer none is lost.
+//! Guarantees: segments have the length set on the node, adjusted to come out even; the curve starts on the head or at
+//! the old tip, and none of its other CVs lies below the skin; an implant replaces curves whose root disc contains its
+//! root. Once drawn (with a stored root), it replaces the curves it names and no others, so that none is lost on a head
+//! where roots are closer together.
 
 use super::hand::{Hand, Sketch};
 use super::lock::{Implanted, Lock};
@@ -19,13 +20,13 @@ use crate::maths::transcendental::atan2;
 use crate::scalp::lay::Polyline;
 use glam::{Vec2, Vec3};
 
-/// Steepest way into the picture: depth by length on it.
+/// Steepest slope into the picture: depth by length in the picture.
 const STEEPEST: f32 = 2.5;
-/// Of a segment's length a neighbour must show so much on the picture to tell anything of its depth.
+/// Fraction of a segment's length that must be visible in the picture for its depth to count.
 const SHOWS: f32 = 0.35;
-/// Nearer to the skin by less than this (cm) is rounding.
+/// Differences below this (cm) near the skin are rounding.
 const NOTHING: f32 = 1e-3;
-/// Turns wider than 60 degrees are smoothed, in so many rounds.
+/// Rounds of smoothing turns wider than 60 degrees.
 const ROUNDS: usize = 4;
 
 pub(super) fn implant(hand: &Hand, sketch: &mut Sketch) {
@@ -39,7 +40,7 @@ pub(super) fn silhouette(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
-/// A new cluster along a line on the picture, with the radii (cm) that its CVs have.
+/// A new cluster along a line in the picture, with the radii (cm) of its CVs.
 fn plant(hand: &Hand, sketch: &mut Sketch, line: &[Vec2], radii: impl FnOnce(&[Vec3]) -> Vec<f32>) {
     let (root, drift) = match hand.gesture.root {
         Some(drawn) => {
@@ -130,7 +131,7 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
-/// The stroke in space from `start` on, which it is drawn as if it began at.
+/// The stroke in space from `start`, as if it had been drawn from there.
 pub(super) fn stroke(
     hand: &Hand,
     sketch: &Sketch,
@@ -156,7 +157,8 @@ pub(super) fn stroke(
     points
 }
 
-/// How steeply curves that run alike near a place lead into the picture: the mean weighted by nearness; none where none do.
+/// Mean slope into the picture of curves near a position that run in a similar direction, weighted by proximity; `None`
+/// if there are none.
 fn slope(hand: &Hand, sketch: &Sketch, at: Vec3, way: Vec2, own: u64) -> Option<f32> {
     let seen = &hand.seen;
     let (mut sum, mut weights) = (0.0, 0.0);
@@ -200,7 +202,7 @@ pub(super) fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3>
     line.evenly(count + 1)
 }
 
-/// All behind CV `held` out of the head, segments as long as they are.
+/// Moves all CVs beyond `held` out of the head, keeping segment lengths.
 pub(super) fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
     if points[held + 1..].iter().any(|p| hand.skin.distance(*p) < CLEARANCE - NOTHING) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
@@ -211,14 +213,14 @@ pub(super) fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
     }
 }
 
-/// The frame in which what goes on from the last of some CVs is kept.
+/// The frame for storing a continuation of these CVs.
 pub(super) fn onward(frame: &HeadFrame, points: &[Vec3]) -> RootFrame {
     let tip = points[points.len() - 1];
     RootFrame::of(frame, tip, tip - points[points.len() - 2])
 }
 
-/// What an implant or a lengthening drew, for the gesture to keep: where it is rooted and its path ([`Gesture::path`]). `before` are
-/// the CVs that were there, none of an implant.
+/// The result of an implant or lengthening that the gesture stores: its root and its path ([`Gesture::path`]). `before`
+/// are the previous CVs, empty for an implant.
 pub(super) fn kept(scalp: &Scalp, before: &[Vec3], after: &[Vec3]) -> Option<(Vec3, Vec<Vec3>)> {
     let frame = scalp.frame();
     let own = match before {
@@ -230,7 +232,7 @@ pub(super) fn kept(scalp: &Scalp, before: &[Vec3], after: &[Vec3]) -> Option<(Ve
     Some((scalp.given(after[0]), new.iter().map(|p| own.local(*p)).collect()))
 }
 
-/// How far one line of as many points runs from the way of another: the mean over its length, degrees.
+/// Mean angle between two lines with equally many points, degrees.
 pub(super) fn turned(drawn: &[Vec3], made: &[Vec3]) -> f32 {
     let (mut sum, mut lengths) = (0.0, 0.0);
     for (a, b) in drawn.windows(2).zip(made.windows(2)) {
@@ -245,7 +247,7 @@ pub(super) fn length(points: &[Vec3]) -> f32 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// The mean of the densities of clusters near a root, the nearer the more; the node's where none is near.
+/// Mean density of clusters near a root, weighted by proximity; the node's density if there are none.
 fn density_about(hand: &Hand, sketch: &Sketch, root: &Root) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for lock in sketch.locks.iter().filter(|lock| lock.is_curve()) {

@@ -1,11 +1,11 @@
 //! Hair sketch: pen gestures replayed on curves, or on a bare head.
 //!
-//! Each gesture is a step on the curves that those before left (`EvalCx::fold`), and the states are kept: one more gesture costs
-//! that gesture, and taking it back costs nothing.
+//! Each gesture is a step on the curves left by earlier gestures (`EvalCx::fold`), and all states are cached: one more
+//! gesture costs only that gesture, and undoing it costs nothing.
 //!
-//! Guarantees: a gesture changes only curves that it names or, where it names none, takes by its layer; roots stay; no CV that is
-//! moved ends in the head; a curve that nothing touches is the tuft that came in. A gesture that does nothing, or whose curves
-//! are gone, says so. Live and replayed gestures are the same call.
+//! Guarantees: a gesture changes only curves that it names or, if it names none, selects by its layer; roots stay; no
+//! moved CV ends inside the head; an untouched curve is the input tuft itself. A gesture without effect, or whose
+//! curves no longer exist, is reported. Live and replayed gestures are the same call.
 
 use super::hand::{Hand, Settings, Sketch};
 use super::lock::Lock;
@@ -23,49 +23,52 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 node! {
-    /// Makes hair with the pen, and edits by hand whatever a graph made: implant, lengthen, cut, comb, pin, twist, re-draw, scatter and more.
+    /// Makes hair with the pen, and edits by hand whatever the graph made: implant, lengthen, cut, comb, pin, twist,
+    /// re-draw, scatter and more.
     ///
-    /// Draw in the viewport. Without curves it begins on a bare head; behind other nodes a gesture is kept by the ids of the curves
-    /// it acts on, so that more guides, another parting or another head keep it. Give the result to Cluster to strands.
+    /// Draw in the viewport. Without curves the sketch begins on a bare head. After other nodes, each gesture stores
+    /// the ids of the curves it acts on, so edits survive more guides, another parting or another head. Wire the result
+    /// to Cluster to strands.
     "hair_sketch", version 1, label "Hair sketch",
         words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt points redraw strands scatter copy silhouette outline shape";
     inputs {
-        /// What the pen did, in drawing order. Drawn in the viewport; stored in the head's own frame.
+        /// Pen gestures, in order. Draw them in the viewport; they are stored in the head frame.
         gestures: Arc<Gestures> = Gestures::default(), words("pen strokes drawn edits");
-        /// Clusters or guides to edit. Without them the sketch begins on a bare head.
+        /// Clusters or guides to edit. Without them, the sketch begins on a bare head.
         curves: Option<Curves>;
         /// The head.
         scalp: Arc<Scalp>;
-        /// Radius of what is implanted.
+        /// Radius of an implant.
         radius: f32 = 1.0, hard(0.001, 100.0), soft(0.1, 3.0), unit(Length), words("width size thickness cluster");
-        /// How full an implant is where no cluster is near; elsewhere it is as full as those.
+        /// Density of an implant with no cluster nearby; otherwise it takes the density of its neighbours.
         density: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("fullness default");
-        /// Reach of a comb in pixels of the picture that was drawn on, and length of the pieces that a stroke pushes with.
+        /// Radius of the comb in pixels of the view it was drawn in, and the length of the pieces that a stroke is cut
+        /// into.
         rho: f32 = 30.0, hard(2.0, 1000.0), soft(10.0, 100.0), words("comb radius pixels force size");
 
         [Shape]
-        /// How far curves are looked for that tell a new one how deep to go, and how full to be.
+        /// Distance within which neighbouring curves set the depth and density of a new one.
         tau: f32 = 4.0, hard(0.01, 100.0), soft(1.0, 10.0), unit(Length), words("neighbours reach distance depth");
-        /// How far a curve nearby may run elsewhere on the picture and still tell a new one how deep to go.
+        /// Largest angle in the view between a new curve and a neighbour that sets its depth.
         angle: f32 = 30.0, hard(0.0, 180.0), soft(5.0, 60.0), unit(Angle), words("neighbours similar direction");
-        /// How much combed hair also turns towards the depth in which the curves about it run: 0 keeps its depth.
+        /// How far combed hair also turns toward the depth of the curves around it: 0 keeps its own depth.
         follow: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("comb neighbours direction side view");
 
         [Detail]
-        /// Length of a segment of what is implanted or lengthened.
+        /// Segment length of implanted and lengthened curves.
         segment: f32 = 2.0, hard(0.05, 100.0), soft(0.5, 4.0), unit(Length), words("spacing cvs points resolution");
-        /// Whether lengths here grow with the head. Gestures always do.
+        /// Scale lengths with the size of the head. Gestures always scale.
         scale_with_head: bool = true, words("head units");
-        /// Seed tag; stored, mixed into the ids of implants.
+        /// Random seed for this node. It changes the ids of implants.
         seed: i64 = 0;
     }
     outputs {
-        /// The curves as the pen left them: one tuft for each, with radius, density, frizz, roll, colour and pins.
+        /// The curves as the pen left them, one tuft each, with radius, density, frizz, roll, colour and pins.
         curves: Curves;
     }
 }
 
-/// The most lines that gestures say.
+/// The most message lines from gestures.
 const SAID: usize = 12;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -93,7 +96,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let seen = Seen::new(&gesture.view, scalp.frame());
         Ok(after(&Hand { gesture, seen, scalp, skin, set }, sketch))
     };
-    // (What else the node was set to is in its own key.)
+    // (The node's other settings are in its own key.)
     let sketch = cx.fold((curves.key(), first), &items, step, |sketch| sketch.bytes)?;
     say(cx, &sketch.replayed);
     cx.replayed(sketch.replayed.clone());
@@ -126,8 +129,9 @@ fn after(hand: &Hand, before: &Sketch) -> Sketch {
     sketch.ended(before)
 }
 
-/// A gesture with what it resolved to: the curves that it changed, replaced or copied, where an implant or copies are rooted, and what
-/// was drawn. Known from the node's curves `before` it and `after` it; what a document keeps once the pen is lifted.
+/// A gesture with its result: the curves that it changed, replaced or copied, the roots of an implant or of copies, and
+/// what was drawn. Derived from the node's curves `before` and `after` it; a document stores this when the pen is
+/// lifted.
 pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scalp) -> Gesture {
     let mut out = gesture.clone();
     let was: BTreeMap<u64, (Key, Vec<Vec3>)> = by_id(before);
@@ -169,13 +173,13 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
     out
 }
 
-/// Curves by their ids, each with its key as a tuft of its own.
+/// Curves by id, each with the key of its own tuft.
 fn by_id(curves: &Curves) -> BTreeMap<u64, (Key, Vec<Vec3>)> {
     let locks = Lock::all(curves).into_iter();
     locks.map(|lock| (lock.id, (lock.tuft().key(), lock.points.clone()))).collect()
 }
 
-/// Tells what gestures could not do, and how far those with a root and a path are from how they were drawn.
+/// Reports what gestures could not do, and how far gestures with a root and a path deviate from how they were drawn.
 fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
     let undone = || (0..).zip(replayed).filter(|(_, one)| !one.said.is_empty());
     for (number, one) in undone().take(SAID) {
@@ -191,7 +195,7 @@ fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
         let named: usize = replayed.iter().map(|one| one.named).sum();
         cx.warn(format!("of {named} curves that gestures name {lost} are not there any more"));
     }
-    // A hundredth of a millimetre, and of a degree, is rounding.
+    // A hundredth of a millimetre, or of a degree, is rounding.
     if let Some((median, most, at)) = spread(replayed, |one| one.drift).filter(|all| all.1 > 1e-3) {
         cx.remark(format!(
             "implants stand on this head {median:.2} cm from where they were drawn in the median, {most:.2} cm at most (gesture {at})"
@@ -205,7 +209,7 @@ fn say(cx: &EvalCx, replayed: &[Arc<Replayed>]) {
     }
 }
 
-/// The median of a number that some gestures have, the largest, and which has that; none where none has one.
+/// The median of a number that some gestures have, the largest, and the gesture that has it; `None` if none has one.
 fn spread(
     replayed: &[Arc<Replayed>],
     of: impl Fn(&Replayed) -> Option<f32>,

@@ -1,7 +1,7 @@
-//! A gesture at work: what it was drawn over, and which curves it takes.
+//! A gesture at work: what it was drawn over, and which curves it selects.
 //!
-//! Guarantees: a gesture that names curves acts on those and on no others; what is not there any more is told by its id. One that
-//! names none takes what lies under the pen, by its layer, each time it is replayed.
+//! Guarantees: a gesture that names curves acts on those and on no others; missing curves are reported by id. A gesture
+//! without names selects what lies under the pen, by its layer, at each replay.
 
 use super::lock::Lock;
 use super::seen::Seen;
@@ -12,21 +12,21 @@ use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What the node was set to, in cm of this head.
+/// The node's settings, in cm of this head.
 #[derive(Clone, Copy)]
 pub(super) struct Settings {
     pub radius: f32,
     pub segment: f32,
-    /// How far neighbours are looked for, cm.
+    /// Search radius for neighbours, cm.
     pub tau: f32,
     /// Reach of a comb, pixels.
     pub rho: f32,
-    /// The cosine of how far neighbours may point elsewhere.
+    /// Cosine of the largest angle to neighbours that count.
     pub alike: f32,
     pub density: f32,
     /// How much a comb turns with the neighbours, 0 to 1.
     pub follow: f32,
-    /// Cm in one head unit.
+    /// Centimetres per head unit.
     pub unit: f32,
     pub seed: u64,
 }
@@ -40,15 +40,15 @@ pub(super) struct Hand<'a> {
     pub set: Settings,
 }
 
-/// Curves as gestures leave them, and what was said.
+/// Curves as gestures leave them, with messages.
 #[derive(Clone, Default)]
 pub(super) struct Sketch {
     pub locks: Vec<Arc<Lock>>,
-    /// What became of each gesture so far, in their order.
+    /// Results of all gestures so far, in order.
     pub replayed: Vec<Arc<Replayed>>,
-    /// The same of the one at work.
+    /// Result of the current gesture.
     pub now: Replayed,
-    /// Bytes of it that the state before does not hold.
+    /// Bytes that the previous state does not hold.
     pub bytes: usize,
 }
 
@@ -59,12 +59,12 @@ impl Sketch {
         Self { locks, bytes, ..Self::default() }
     }
 
-    /// Notes what the gesture at work could not do.
+    /// Records what the current gesture could not do.
     pub(super) fn say(&mut self, text: impl Into<String>) {
         self.now.said.push(text.into());
     }
 
-    /// Ends the gesture at work: what it left undone is told, and what became of it joins the others.
+    /// Ends the current gesture: reports what it left undone and adds its result to the others.
     pub(super) fn ended(mut self, before: &Self) -> Self {
         let known: BTreeSet<*const Lock> = before.locks.iter().map(Arc::as_ptr).collect();
         let is_new = |lock: &&Arc<Lock>| !known.contains(&Arc::as_ptr(lock));
@@ -73,7 +73,7 @@ impl Sketch {
             .iter()
             .filter(is_new)
             .fold((0, 0), |(new, bytes), lock| (new + 1, bytes + lock.bytes()));
-        // Of those that were there.
+        // Of the existing ones.
         self.now.changed += before.locks.len() + new - self.locks.len();
         let (picked, changed) = (self.now.picked, self.now.changed);
         match () {
@@ -96,15 +96,15 @@ impl Sketch {
     }
 }
 
-/// Pixels about the pen within which a thin curve is taken as if it were under it.
+/// Distance from the pen, in pixels, within which a thin curve counts as under it.
 const TOUCH: f32 = 6.0;
 
 impl Hand<'_> {
-    /// The pen's way, pixels.
+    /// The pen's path, pixels.
     pub(super) fn line(&self) -> Vec<Vec2> {
         self.gesture.samples.iter().map(|sample| sample.at).collect()
     }
-    /// Where the pen came down, pixels.
+    /// Where the pen touched down, pixels.
     pub(super) fn start(&self) -> Vec2 {
         self.gesture.samples[0].at
     }
@@ -113,7 +113,7 @@ impl Hand<'_> {
         if self.gesture.size > 0.0 { self.gesture.size } else { 2.0 * self.set.rho }
     }
 
-    /// Numbers of the curves that the gesture names; none where it names none. Those that are not there are told.
+    /// Indices of the curves that the gesture names; `None` if it names none. Missing ones are reported.
     fn named(&self, sketch: &mut Sketch) -> Option<Vec<usize>> {
         if self.gesture.curves.is_empty() {
             return None;
@@ -150,7 +150,7 @@ impl Hand<'_> {
         Some(found)
     }
 
-    /// Numbers of the curves that the gesture acts on: those that it names, or else those that `under` finds.
+    /// Indices of the curves that the gesture acts on: the named ones, or else those that `under` finds.
     pub(super) fn takes(
         &self,
         sketch: &mut Sketch,
@@ -166,7 +166,8 @@ impl Hand<'_> {
         found
     }
 
-    /// Curves that the line of sight through a pixel meets before the head, with how far from the eye (cm), the nearest first.
+    /// Curves that the line of sight through a pixel hits before the head, with their distance from the eye (cm),
+    /// nearest first.
     pub(super) fn met(&self, sketch: &Sketch, pixel: Vec2) -> Vec<(usize, f32)> {
         let (origin, direction) = self.seen.ray(pixel);
         let head = self.seen.head(self.scalp, pixel).map_or(f32::MAX, |hit| hit.distance);
@@ -178,7 +179,7 @@ impl Hand<'_> {
                 let touch =
                     TOUCH * self.seen.cm_per_pixel(self.seen.depth(origin + direction * far));
                 let wide = radii[0].max(radii[1]).max(touch);
-                // A cluster that lies on the head is before it with its nearer half.
+                // A cluster that lies on the head is in front of it with its nearer half.
                 let before = far > 0.0 && far - wide < head;
                 (before && apart <= wide).then_some(far)
             });
@@ -197,7 +198,8 @@ impl Hand<'_> {
         met.into_iter().take(most).map(|(i, _)| i).collect()
     }
 
-    /// Curves under the pen's start, or where it came down beside hair that it then went to and fro over, under the stroke's middle.
+    /// Curves under the pen's start or, if it touched down beside hair and then moved back and forth across it, under
+    /// the stroke's centre.
     pub(super) fn under_start_or_middle(&self, sketch: &Sketch) -> Vec<usize> {
         let found = self.under_start(sketch);
         if !found.is_empty() {
@@ -209,14 +211,14 @@ impl Hand<'_> {
         met.into_iter().take(most).map(|(i, _)| i).collect()
     }
 
-    /// Curves that a stroke passes nearer than `reach` (pixels) on this side of the head; the nearest of them to the pen's start
-    /// alone where the layer asks for one.
+    /// Curves that a stroke passes within `reach` (pixels) on this side of the head; only the one nearest to the pen's
+    /// start if the layer asks for one.
     pub(super) fn passed(&self, sketch: &Sketch, line: &[Vec2], reach: f32) -> Vec<usize> {
         let near = |i: usize| {
             let lock = &sketch.locks[i];
             let close =
                 |p: &&Vec3| self.seen.pixel(**p).is_some_and(|at| off_line(line, at) <= reach);
-            // (The root moves nowhere.)
+            // (The root never moves.)
             lock.points[1..].iter().filter(close).any(|p| self.seen.sees(self.scalp, *p))
         };
         if self.gesture.layer == Layer::Nearest {
@@ -225,29 +227,29 @@ impl Hand<'_> {
         (0..sketch.locks.len()).filter(|i| sketch.locks[*i].is_curve() && near(*i)).collect()
     }
 
-    /// Where the head is met under the pen's start.
+    /// Where the pen's start hits the head.
     pub(super) fn on_head(&self) -> Option<Hit> {
         self.seen.head(self.scalp, self.start())
     }
 
-    /// The CV of a curve that is drawn nearest to the pen's start (the root never is), and how far off that is, pixels.
+    /// The CV of a curve drawn nearest to the pen's start (never the root), and its distance, pixels.
     pub(super) fn nearest_cv(&self, lock: &Lock) -> Option<(usize, f32)> {
         let off = |k: usize| Some((k, self.seen.pixel(lock.points[k])?.distance(self.start())));
         (1..lock.points.len()).filter_map(off).min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// A curve as it is drawn: pixels and depths of its CVs; none where a part of it is behind the eye.
+    /// A curve as drawn: pixels and depths of its CVs; `None` if part of it is behind the eye.
     pub(super) fn drawn(&self, lock: &Lock) -> Option<Vec<(Vec2, f32)>> {
         lock.points.iter().map(|p| Some((self.seen.pixel(*p)?, self.seen.depth(*p)))).collect()
     }
 }
 
-/// So many curves, and the verb that goes with them.
+/// The number of curves, with a matching verb.
 fn curves(count: usize) -> String {
     if count == 1 { "curve is".to_owned() } else { format!("{count} curves are") }
 }
 
-/// How far a pixel lies from a line of them.
+/// Distance of a pixel from a polyline.
 pub(super) fn off_line(line: &[Vec2], at: Vec2) -> f32 {
     if let [one] = line {
         return one.distance(at);
@@ -260,7 +262,7 @@ pub(super) fn off_line(line: &[Vec2], at: Vec2) -> f32 {
     line.windows(2).map(off).fold(f32::MAX, f32::min)
 }
 
-/// How near a line of sight comes to a piece of a curve, and how far along it that is.
+/// Distance of a line of sight from a segment of a curve, and the position along the segment.
 fn between(origin: Vec3, direction: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
     let (along, off) = (b - a, a - origin);
     let (ll, ld) = (along.length_squared(), along.dot(direction));

@@ -1,4 +1,4 @@
-//! Tests: what each gesture of the paper does, by its numbers; what a sketch keeps and what it runs again.
+//! Tests: the effect of each gesture of the paper, in numbers; what a sketch keeps and what it recomputes.
 
 use super::hair_sketch::{self, resolved};
 use super::{density, frizz, twist};
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// A gesture from the front, where a pixel covers 0.03 cm at the middle of the ball.
+/// A gesture from the front, where a pixel covers 0.03 cm at the centre of the ball.
 pub(super) fn drawn(tool: Tool, layer: Layer, line: &[Vec2]) -> Gesture {
     let sample = |(i, at): (usize, &Vec2)| PenSample {
         at: *at,
@@ -45,7 +45,7 @@ fn circle(middle: [f32; 2], radius: f32, turns: f32) -> Vec<Vec2> {
     (0..=count).map(at).collect()
 }
 
-/// What the node makes of gestures, and what it says.
+/// The node's result for these gestures, and its messages.
 pub(super) fn sketch_on(
     scalp: &Arc<Scalp>,
     curves: Option<&Curves>,
@@ -76,7 +76,7 @@ pub(super) fn length(points: &[Vec3]) -> f32 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// A cluster down the front of the ball: implanted at its upper half, 12 cm long.
+/// A cluster down the front of the ball: implanted on its upper half, 12 cm long.
 fn one_lock() -> Gesture {
     drawn(Tool::Implant, Layer::Scalp, &line([0.0, -150.0], [0.0, 250.0]))
 }
@@ -113,7 +113,8 @@ fn an_implant_grows_from_the_head_along_the_stroke_in_segments_of_two_cm() {
     let (curves, said) = sketch(None, &[one_lock()]);
     assert!(said.is_empty(), "{said:?}");
     let (cvs, scalp) = (only(&curves), shared_ball());
-    // The ray through 150 pixels over the middle, under 8.9 cm of ball seen from 60 cm with 0.0005 cm a pixel and cm: on the ball.
+    // The ray through 150 pixels above the centre, for 8.9 cm of ball seen from 60 cm with 0.0005 cm per pixel and cm:
+    // on the ball.
     assert!(scalp.skin().distance(cvs[0]).abs() < 1e-4, "{}", cvs[0]);
     assert!((cvs[0].y - 150.0 * 0.0005 * (60.0 - cvs[0].z)).abs() < 1e-3 && cvs[0].x.abs() < 1e-3);
     for pair in cvs.windows(2) {
@@ -128,7 +129,7 @@ fn an_implant_grows_from_the_head_along_the_stroke_in_segments_of_two_cm() {
     }
     let tuft = &curves.tufts()[0];
     assert_eq!(tuft.view(DENSITY).at(0, 0), 0.5);
-    // What begins beside the head says so.
+    // An implant that begins beside the head is reported.
     let beside = drawn(Tool::Implant, Layer::Scalp, &line([900.0, 0.0], [950.0, 100.0]));
     let (none, said) = sketch(None, &[beside]);
     assert!(
@@ -148,7 +149,7 @@ fn drawn_again(g: &Gesture, by: Vec2) -> Gesture {
 #[test]
 fn an_implant_replaces_the_cluster_whose_disc_holds_its_root_and_takes_its_neighbours_density() {
     let first = one_lock();
-    // 20 pixels are half a cm: within the disc of 1 cm. 100 are 2.6 cm.
+    // 20 pixels are half a cm: inside the disc of 1 cm. 100 are 2.6 cm.
     let (curves, _) = sketch(None, &[first.clone(), drawn_again(&first, Vec2::new(20.0, 0.0))]);
     assert_eq!(curves.curve_count(), 1);
     let fuller = drawn(Tool::Density, Layer::Scalp, &circle([0.0, -150.0], 60.0, 4.0));
@@ -164,7 +165,7 @@ fn an_implant_replaces_the_cluster_whose_disc_holds_its_root_and_takes_its_neigh
 
 #[test]
 fn a_stroke_beside_a_cluster_of_known_depth_leads_as_deep_and_elsewhere_keeps_its_depth() {
-    // A cluster that hangs towards the eye: 0.7 cm nearer for each cm down.
+    // A cluster that hangs toward the eye: 0.7 cm closer per cm down.
     let scalp = shared_ball();
     let known: Vec<Vec3> =
         (0..8).map(|k| Vec3::new(0.0, 6.0 - 1.6 * k as f32, 6.6 + 1.12 * k as f32)).collect();
@@ -182,7 +183,7 @@ fn a_stroke_beside_a_cluster_of_known_depth_leads_as_deep_and_elsewhere_keeps_it
     };
     let found = slope(&new[1..]);
     assert!((found - 0.7).abs() < 0.15 * 0.7, "{found}: {new:?}");
-    // With none near, in the plane of the picture: from a root at the ball's edge none is pushed.
+    // With none nearby, in the plane of the picture: from a root at the ball's edge nothing is pushed.
     let aside = drawn(Tool::Implant, Layer::Scalp, &line([0.0, -295.0], [300.0, -330.0]));
     let (curves, _) = sketch_on(&scalp, None, &[aside]);
     let cvs = only(&curves);
@@ -192,7 +193,7 @@ fn a_stroke_beside_a_cluster_of_known_depth_leads_as_deep_and_elsewhere_keeps_it
 
 #[test]
 fn curves_that_run_more_than_thirty_degrees_elsewhere_tell_no_depth() {
-    // From the top of the ball up and towards the eye: 0.7 cm for each on the picture.
+    // From the top of the ball up and toward the eye: 0.7 cm per cm in the picture.
     let known: Vec<Vec3> =
         (0..8).map(|k| Vec3::new(0.0, 8.9 + 1.6 * k as f32, 1.12 * k as f32)).collect();
     let mut b = crate::data::curves::TuftBuilder::new();
@@ -247,7 +248,7 @@ fn a_full_cluster_has_512_strands_within_a_radius_of_one_cm() {
 fn a_lengthened_cluster_goes_on_from_its_tip_and_keeps_what_was() {
     let (before, _) = sketch(None, &[one_lock()]);
     let was = only(&before);
-    // From its end 4 cm to the left.
+    // From its tip 4 cm to the left.
     let seen = super::seen::Seen::new(&one_lock().view, shared_ball().frame());
     let tip = seen.pixel(*was.last().unwrap()).unwrap();
     let on =
@@ -280,7 +281,7 @@ fn a_point_goes_where_the_pen_puts_it_and_takes_none_along() {
     let still = drawn(Tool::Point, Layer::Nearest, &[at, at + Vec2::new(0.125, 0.0)]);
     let (same, said) = sketch(None, &[one_lock(), still]);
     assert!(only(&same) == was && said[0].contains("drag the point on"), "{said:?}");
-    // Not into the head, not through a pin, and nothing where nothing is.
+    // Not into the head, not through a pin, and without effect on empty space.
     let deep = drawn(Tool::Point, Layer::Nearest, &line(from, [at.x, at.y - 60.0]));
     let (after, _) = sketch(None, &[one_lock(), deep]);
     assert!(super::random_laws::out_of(&shared_ball(), only(&after)[4]) > 0.0);
@@ -299,7 +300,7 @@ fn a_curve_drawn_anew_keeps_what_lies_before_and_follows_the_stroke() {
     let (before, _) = sketch(None, &[lock.clone(), taper.clone()]);
     let was = only(&before);
     let seen = super::seen::Seen::new(&lock.view, shared_ball().frame());
-    // From between its third and fourth CV on, 200 pixels to the left and a little down.
+    // From between its third and fourth CV, 200 pixels to the left and slightly down.
     let at = seen.pixel(was[2].lerp(was[3], 0.5)).unwrap();
     let anew = drawn(Tool::Redraw, Layer::Nearest, &line(at.into(), [at.x - 200.0, at.y + 60.0]));
     let (after, said) = sketch(None, &[lock.clone(), taper.clone(), anew.clone()]);
@@ -310,27 +311,27 @@ fn a_curve_drawn_anew_keeps_what_lies_before_and_follows_the_stroke() {
     // Its tip is under the end of the stroke.
     let tip = seen.pixel(cvs[cvs.len() - 1]).unwrap();
     assert!(tip.distance(Vec2::new(at.x - 200.0, at.y + 60.0)) < 20.0, "{tip}");
-    // Its twist still ends as it ended.
+    // Its twist still ends as before.
     let roll = |curves: &Curves| {
         let tuft = &curves.tufts()[0];
         tuft.view(ROLL).at(0, tuft.points().len() - 1)
     };
     assert!(roll(&before) > 0.0 && roll(&after) == roll(&before));
-    // Kept with its path it comes out the same, and on a larger head as much larger.
+    // With its stored path, the result is the same; on a larger head it is larger in proportion.
     let all = |last: &Gesture| vec![lock.clone(), taper.clone(), last.clone()];
     let kept = resolved(&anew, &before, &after, &shared_ball());
     assert_eq!((kept.curves.len(), kept.path.len()), (1, cvs.len() - 4));
     let again = only(&sketch(None, &all(&kept)).0);
     let off = cvs.iter().zip(&again).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
     assert!(off < 1e-4 && cvs.len() == again.len(), "{off}");
-    // A tap of a hand that trembles takes nothing off, and no more does a path without length.
+    // A tap with a trembling hand removes nothing, and neither does a path without length.
     let tap = drawn(Tool::Redraw, Layer::Nearest, &[at, at + Vec2::new(0.125, 0.0)]);
     let nowhere = Gesture { path: vec![Vec3::ZERO], ..anew.clone() };
     for short in [tap, nowhere] {
         let (same, said) = sketch(None, &[lock.clone(), taper.clone(), short]);
         assert!(only(&same) == was && said[0].contains("no length"), "{said:?}");
     }
-    // Behind a pin alone.
+    // Only beyond a pin.
     let pin = drawn(Tool::Pin, Layer::Nearest, &[seen.pixel(was[4]).unwrap()]);
     let (same, said) = sketch(None, &[lock.clone(), pin.clone(), anew]);
     assert!(only(&same) == only(&sketch(None, &[lock, pin]).0), "{said:?}");
@@ -339,7 +340,7 @@ fn a_curve_drawn_anew_keeps_what_lies_before_and_follows_the_stroke() {
 
 #[test]
 fn a_cut_ends_the_nearest_all_or_takes_out_what_is_rooted_there() {
-    // Three clusters beside each other, 2.6 cm apart, one behind the head's other side.
+    // Three clusters side by side, 2.6 cm apart, and one behind the head's other side.
     let row: Vec<Gesture> =
         [-100.0, 0.0, 100.0].map(|x| drawn_again(&one_lock(), Vec2::new(x, 0.0))).to_vec();
     let mut row = row;
@@ -365,19 +366,19 @@ fn a_cut_ends_the_nearest_all_or_takes_out_what_is_rooted_there() {
     let (cut, said) = with(&through);
     assert!(said.is_empty(), "{said:?}");
     let ends = tips(&cut);
-    // 100 pixels under the middle: at 51 cm 2.6 cm down.
+    // 100 pixels below the centre: at 51 cm, 2.6 cm down.
     assert!(ends[..3].iter().all(|y| (y + 2.55).abs() < 0.15) && ends[3] < -4.0, "{ends:?}");
-    // From side to side of one alone.
+    // From side to side of a single one.
     let mut one = drawn(Tool::Cut, Layer::Nearest, &line([-55.0, 100.0], [55.0, 100.0]));
     one.id = 31;
     let ends = tips(&with(&one).0);
     assert!(ends[0] < -4.0 && (ends[1] + 2.55).abs() < 0.15 && ends[2] < -4.0, "{ends:?}");
-    // Begun within a cluster it cuts nothing.
+    // A stroke that begins inside a cluster cuts nothing.
     let mut short = drawn(Tool::Cut, Layer::Nearest, &line([-5.0, 100.0], [55.0, 100.0]));
     short.id = 32;
     let (same, said) = with(&short);
     assert!(points(&same) == was && said[0].contains("from side to side"), "{said:?}");
-    // On the scalp: what is rooted on the line, whole.
+    // On the scalp: whatever is rooted on the line, whole.
     let mut scalp = drawn(Tool::Cut, Layer::Scalp, &line([-20.0, -150.0], [200.0, -150.0]));
     scalp.id = 33;
     let (left, _) = with(&scalp);
@@ -409,7 +410,7 @@ fn each_full_circle_changes_density_by_a_twentieth() {
 
 #[test]
 fn each_loop_turns_the_cluster_by_fifteen_degrees_from_there_on() {
-    // Loops of 12 pixels' radius along the cluster, which is 38 wide on each side.
+    // Loops with a radius of 12 pixels along the cluster, which is 38 wide on each side.
     let twirl = |turns: f32, loops: usize| -> Vec<Vec2> {
         let count = 40 * loops;
         (0..=count)
@@ -435,7 +436,7 @@ fn each_loop_turns_the_cluster_by_fifteen_degrees_from_there_on() {
 
 #[test]
 fn a_scribble_as_wide_as_the_cluster_frizzes_it_whole() {
-    // The cluster of 2 cm is about 78 pixels wide where the scribble is.
+    // The cluster of 2 cm is about 78 pixels wide at the scribble.
     for (wide, wanted) in [(80.0, 1.0), (48.0, 0.5), (15.0, 0.0)] {
         let to = |k: usize| {
             Vec2::new(if k.is_multiple_of(2) { -0.5 } else { 0.5 } * wide, 4.0 * k as f32)
@@ -478,7 +479,7 @@ fn a_pin_holds_all_before_it_and_a_second_tap_frees_it() {
 fn a_comb_moves_hair_along_the_stroke_and_keeps_its_length() {
     let (before, _) = sketch(None, &[one_lock()]);
     let was = only(&before);
-    // Of twice the strength a comb takes what is under it along.
+    // At twice the strength, a comb takes everything under it along.
     let comb = drawn(Tool::Comb, Layer::Nearest, &line([0.0, 75.0], [150.0, 75.0]));
     let comb = Gesture { strength: 2.0, ..comb };
     let (after, said) = sketch(None, &[one_lock(), comb.clone()]);
@@ -613,7 +614,7 @@ fn a_cut_on_a_bias_ends_each_strand_on_the_stroke() {
             .map(|(tuft, i)| off(tuft.curve(i).last().unwrap()))
             .collect();
         assert!(ends.len() > 200);
-        // Half a pixel is a fifth of a millimetre; what was pushed out of the head may be off.
+        // Half a pixel is a fifth of a millimetre; points pushed out of the head may be off.
         let near = ends.iter().filter(|off| **off < 0.5).count();
         assert!(100 * near >= 95 * ends.len(), "{near} of {}", ends.len());
     }

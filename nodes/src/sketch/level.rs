@@ -1,29 +1,29 @@
-//! Which layer a stroke works on, told by how hard its beginning is pressed (the paper's section 4).
+//! The layer of a stroke, from the pressure at its beginning (the paper's section 4).
 //!
-//! Guarantees: what comes after the beginning changes nothing; samples before the pen touches count for nothing, and neither do
-//! pressures that are no numbers. Not known here: a layer that a key or the shelf sets.
+//! Guarantees: nothing after the beginning changes the result; samples before the pen touches do not count, and neither
+//! do non-finite pressures. Not known here: a layer set by a key or the toolbar.
 
 use crate::data::gestures::{Layer, PenSample};
 
-/// How the beginning of a stroke tells its layer.
+/// How the beginning of a stroke determines its layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// The deepest level reached within the first 80 ms or the first 12 pixels, whichever takes longer: real pens start light, a
-    /// quick hand is 12 pixels on before it has pressed, and a slow one is not after 80 ms.
+    /// The deepest level within the first 80 ms or the first 12 pixels, whichever takes longer: real pens start light,
+    /// a quick hand has moved 12 pixels before it presses, and a slow one has not within 80 ms.
     #[default]
     Highest,
-    /// The paper's: the level of the mean pressure within 2 pixels of the start.
+    /// The rule of the paper: the level of the mean pressure within 2 pixels of the start.
     Mean,
 }
 
-/// The beginning by [`Rule::Highest`], seconds and pixels.
+/// Length of the beginning for [`Rule::Highest`], seconds and pixels.
 const BEGINS: (f32, f32) = (0.08, 12.0);
-/// The beginning by [`Rule::Mean`], pixels.
+/// Length of the beginning for [`Rule::Mean`], pixels.
 const NEAR: f32 = 2.0;
 
-/// The layer of a stroke, or of as much of it as there is so far. A stroke that never touches works on the nearest.
+/// The layer of a stroke, or of its part so far. A stroke that never touches works on the nearest.
 pub fn level(samples: &[PenSample], rule: Rule) -> Layer {
-    // (No number is no touch.)
+    // (NaN is not a touch.)
     let touches = |sample: &PenSample| sample.pressure > 0.0;
     let first = samples.iter().position(touches).unwrap_or(samples.len());
     let Some(start) = samples.get(first) else { return Layer::Nearest };
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    /// Samples as time (ms), pixels from the start and pressure.
+    /// Samples as time (ms), pixels from the start, and pressure.
     #[track_caller]
     fn check(samples: &[(f32, f32, f32)], highest: Layer, mean: Layer) {
         let sample = |&(ms, x, pressure): &(f32, f32, f32)| PenSample {
@@ -76,7 +76,7 @@ mod tests {
         ] {
             check(&[(0.0, 0.0, pressure), (10.0, 1.0, pressure)], layer, layer);
         }
-        // (0.2 + 0.9) / 2 = 0.55; what lies 3 pixels off does not count: with it the mean were 0.7.
+        // (0.2 + 0.9) / 2 = 0.55; samples 3 pixels away do not count: with them the mean would be 0.7.
         check(&[(0.0, 0.0, 0.2), (5.0, 2.0, 0.9), (9.0, 3.0, 1.0)], Scalp, Through);
         // Back at the start, the beginning is over.
         check(&[(0.0, 0.0, 0.2), (90.0, 40.0, 0.2), (200.0, 0.0, 1.0)], Nearest, Nearest);
@@ -85,21 +85,21 @@ mod tests {
     #[test]
     fn the_highest_level_of_the_first_80_ms_or_12_pixels_counts() {
         use Layer::{Nearest, Scalp, Through};
-        // A quick hand is 60 pixels on when it has pressed, after 40 ms.
+        // A quick hand has moved 60 pixels when it presses, after 40 ms.
         check(&[(0.0, 0.0, 0.1), (10.0, 15.0, 0.2), (40.0, 60.0, 0.8)], Scalp, Nearest);
-        // A slow one has gone 11 pixels in 300 ms.
+        // A slow one has moved 11 pixels in 300 ms.
         check(&[(0.0, 0.0, 0.1), (150.0, 5.0, 0.2), (300.0, 11.0, 0.5)], Through, Nearest);
-        // Beyond both nothing counts.
+        // Beyond both, nothing counts.
         check(&[(0.0, 0.0, 0.1), (79.0, 60.0, 0.5), (82.0, 70.0, 1.0)], Through, Nearest);
         check(&[(0.0, 0.0, 0.5), (300.0, 13.0, 1.0)], Through, Through);
-        // A pen that lets up works on as deep as it was pressed.
+        // A pen that lets up keeps working at its pressed depth.
         check(&[(0.0, 0.0, 0.9), (20.0, 20.0, 0.1)], Scalp, Scalp);
     }
 
     #[test]
     fn before_it_touches_a_pen_says_nothing() {
         use Layer::{Nearest, Scalp, Through};
-        // It hovers for half a second, 40 pixels off. (0.2 + 0.6) / 2 = 0.4.
+        // It hovers for half a second, 40 pixels away. (0.2 + 0.6) / 2 = 0.4.
         let hovers = [(0.0, 0.0, 0.0), (500.0, 40.0, 0.0)];
         let touches = [(510.0, 41.0, 0.2), (540.0, 42.0, 0.6), (585.0, 60.0, 0.9)];
         check(&[&hovers[..], &touches].concat(), Scalp, Through);

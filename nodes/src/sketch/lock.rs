@@ -1,7 +1,7 @@
-//! A curve while gestures act on it: its CVs, and what of its attributes a gesture may change.
+//! A curve while gestures act on it: its CVs, and the attributes that a gesture may change.
 //!
-//! Guarantees: a curve that no gesture touches is the tuft that came in, to the bit, so that nothing downstream runs for it; one
-//! that is touched keeps all else that it carried, by where along the old curve each CV comes from.
+//! Guarantees: an untouched curve is the input tuft itself, to the bit, so that nothing downstream runs for it; a
+//! touched curve keeps all its other attributes, mapped by position along the old curve.
 
 use crate::data::attributes::{
     COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, NORMAL, PINNED, RADIUS, ROLL,
@@ -13,33 +13,33 @@ use crate::maths::frame::smallest_rotation;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// A curve and what gestures have made of it.
+/// A curve and the changes made by gestures.
 #[derive(Clone)]
 pub(super) struct Lock {
     pub id: u64,
     /// CVs, root first, cm.
     pub points: Vec<Vec3>,
-    /// For each CV whether it is pinned.
+    /// Whether each CV is pinned.
     pub pinned: Vec<bool>,
-    /// For each CV the turn of the cross-section, degrees, running sum from the root.
+    /// Roll of the cross-section at each CV, degrees, accumulated from the root.
     pub roll: Vec<f32>,
     pub density: f32,
     pub frizz: f32,
     /// Radius at the root, cm.
     pub radius: f32,
-    /// For each CV the radius there, cm.
+    /// Radius at each CV, cm.
     pub radii: Vec<f32>,
-    /// The plane in which its strands end, as its normal and the way the tip pointed when it was cut.
+    /// The plane in which its strands end: its normal, and the direction of the tip when it was cut.
     pub cut: Option<[Vec3; 2]>,
-    /// For each CV where in the curve that came in its other values come from, in CVs.
+    /// For each CV, the position in the input curve that its other values come from, in CVs.
     from: Vec<f32>,
-    /// One curve: as it came in, or as it was implanted.
+    /// A single curve: as it came in, or as it was implanted.
     base: Arc<Tuft>,
     tuft: Arc<Tuft>,
 }
 
 impl Lock {
-    /// The curves as they come in.
+    /// The input curves.
     pub(super) fn all(curves: &Curves) -> Vec<Arc<Self>> {
         let mut locks = vec![];
         for tuft in curves.tufts() {
@@ -101,7 +101,7 @@ impl Lock {
         Self::new(Arc::new(b.build()))
     }
 
-    /// The same with as many CVs elsewhere, at a root of its own. It is held by no pin.
+    /// A copy with the same number of CVs at another root. It has no pins.
     pub(super) fn copied(
         &self,
         id: u64,
@@ -113,7 +113,7 @@ impl Lock {
         let mut copy = self.clone();
         copy.points = points;
         let mut b = copy.done().tuft.edit();
-        // What is known of its place alone.
+        // Attributes that depend only on its position.
         for name in [PINNED.name, NORMAL.name, ROOT_UV.name, SECTION.name] {
             b.remove(name);
         }
@@ -122,7 +122,7 @@ impl Lock {
         Self::new(Arc::new(b.build()))
     }
 
-    /// Its tuft as it is now.
+    /// Its current tuft.
     pub(super) fn tuft(&self) -> &Arc<Tuft> {
         &self.tuft
     }
@@ -133,7 +133,7 @@ impl Lock {
     pub(super) fn tip(&self) -> Vec3 {
         self.points[self.points.len() - 1]
     }
-    /// The last CV that holds its place: the root, or a pin. What lies before it stays, too.
+    /// The last fixed CV: the root, or a pin. CVs before it stay as well.
     pub(super) fn held(&self) -> usize {
         self.pinned.iter().rposition(|pinned| *pinned).unwrap_or(0)
     }
@@ -142,7 +142,7 @@ impl Lock {
         self.points.len() > 1 && self.points.iter().all(|p| p.is_finite())
     }
 
-    /// Other CVs, each from a place of those that are there, in CVs.
+    /// Replaces the CVs, each derived from a position among the old ones, in CVs.
     pub(super) fn set_points(&mut self, points: Vec<Vec3>, places: &[f32]) {
         let read = |values: &[f32], at: f32| {
             let k = (at as usize).min(values.len().saturating_sub(2));
@@ -150,10 +150,10 @@ impl Lock {
             a + (b - a) * (at - k as f32).clamp(0.0, 1.0)
         };
         let roll = places.iter().map(|at| read(&self.roll, *at)).collect();
-        // (Its column is kept with all else, by `from`.)
+        // (Its column is mapped like all others, by `from`.)
         let radii = places.iter().map(|at| read(&self.radii, *at)).collect();
         let from = places.iter().map(|at| read(&self.from, *at)).collect();
-        // A pin stays with the CV nearest to where it was.
+        // A pin stays with the CV nearest to its old position.
         let mut pinned = vec![false; points.len()];
         for (k, _) in self.pinned.iter().enumerate().filter(|(_, pinned)| **pinned) {
             let off = |i: &usize| (places[*i] - k as f32).abs();
@@ -166,7 +166,7 @@ impl Lock {
         self.radii = radii;
     }
 
-    /// The same with its tuft made anew.
+    /// The same with a new tuft.
     pub(super) fn done(mut self) -> Arc<Self> {
         let base = &self.base;
         let same = self.from.len() == base.points().len()
@@ -209,13 +209,13 @@ impl Lock {
         Arc::new(self)
     }
 
-    /// Bytes held beside what came in.
+    /// Bytes held in addition to the input.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.points.len() * (12 + 4 + 4 + 4 + 1) + self.tuft.bytes()
     }
 }
 
-/// Sets what is known of the one curve's root.
+/// Sets the root attributes of the curve.
 fn root(b: &mut TuftBuilder, root: &Root, drift: f32, scalp: &Scalp) {
     b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
     b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
@@ -229,24 +229,24 @@ fn root(b: &mut TuftBuilder, root: &Root, drift: f32, scalp: &Scalp) {
     }
 }
 
-/// The way a curve's tip points, unit.
+/// The direction of a curve's tip, unit.
 pub(super) fn way(points: &[Vec3]) -> Vec3 {
     let last = points.len() - 1;
     (points[last] - points[last - 1]).normalize_or(Vec3::Y)
 }
 
-/// What an implant is beside its CVs.
+/// Properties of an implant other than its CVs.
 pub(super) struct Implanted {
     pub root: Root,
-    /// One, or one for each CV, cm.
+    /// One radius, or one per CV, cm.
     pub radii: Vec<f32>,
     pub density: f32,
     pub colour: Option<Vec3>,
-    /// How far the root lies from where it was drawn, cm.
+    /// Drift of the root, cm.
     pub drift: f32,
 }
 
-/// The values of a column at places between CVs; whole numbers and ids are those of the nearest.
+/// The values of a column at positions between CVs; integers and ids take the nearest.
 fn along(values: &Column, places: &[f32]) -> Column {
     fn each<T: Item>(v: &[T], places: &[f32], mix: impl Fn(T, T, f32) -> T) -> Column {
         let at = |place: &f32| {

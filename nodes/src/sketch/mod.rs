@@ -1,7 +1,8 @@
-//! Sketching on the head: pen gestures that make and edit curves (methods.md 7; Fu et al. 2007, "Sketching hairstyles").
+//! Sketching on the head: pen gestures that make and edit curves (methods.md 7; Fu et al. 2007, "Sketching
+//! hairstyles").
 //!
-//! One file a gesture, each a function from the curves as they are to the curves as the gesture leaves them; `hair_sketch` replays
-//! a list of them. Nothing here knows a window: what is live and what is replayed is the same call.
+//! One file per gesture, each a function from the current curves to the curves after the gesture; `hair_sketch` replays
+//! a list of them. Nothing here knows a window: live and replayed gestures are the same call.
 
 use crate::define::NodeDef;
 

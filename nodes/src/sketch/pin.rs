@@ -1,6 +1,6 @@
-//! Hairpin: locks the CV nearest to the pen in its place, or frees it (the paper's 4.6).
+//! Hairpin: fixes the CV nearest to the pen, or frees it (the paper's 4.6).
 //!
-//! What lies between two pins, or the root and the first pin, stays where it is whatever combs the curve.
+//! Whatever lies between two pins, or between the root and the first pin, stays in place under combing.
 
 use super::hand::{Hand, Sketch};
 

@@ -1,12 +1,12 @@
-//! Point: one CV goes along with the pen, and no other moves; beyond the paper, for the last touch.
+//! Point: moves one CV with the pen, and no other; beyond the paper, for finishing touches.
 //!
-//! Guarantees: roots, pins and what lies before a pin stay; the CV keeps its depth in the picture, but ends over the skin. Lengths are
-//! not kept: the point is where the pen put it.
+//! Guarantees: roots, pins and everything before a pin stay; the CV keeps its depth in the picture, but ends above the
+//! skin. Lengths are not kept: the CV is where the pen put it.
 
 use super::hand::{Hand, Sketch};
 use super::relax::CLEARANCE;
 
-/// A pen that goes no farther than this (pixels) takes nothing along.
+/// A pen movement shorter than this (pixels) moves nothing.
 const STILL: f32 = 0.5;
 
 pub(super) fn point(hand: &Hand, sketch: &mut Sketch) {

@@ -1,4 +1,4 @@
-//! Tests: laws that all gestures keep, on random gestures, on every head and animal at hand.
+//! Tests: laws of all gestures, on random gestures, on every available head and animal.
 
 use super::hair_sketch::{self, resolved};
 use super::hand::off_line;
@@ -19,7 +19,7 @@ use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A gesture as nobody would draw it. One in four names curves of `ids`, and one that is not there.
+/// A gesture as nobody would draw it. One in four names curves of `ids`, and one that does not exist.
 fn any(seed: u64, ids: &[u64]) -> Gesture {
     let dice = Dice::new(seed, 0, "gesture");
     let count = 1 + u64::from(dice.below(0, 0, 60));
@@ -30,7 +30,7 @@ fn any(seed: u64, ids: &[u64]) -> Gesture {
     let turns = dice.signed(0, 7) * 4.0;
     let tools = Tool::ALL.len() as u32;
     let tool = Tool::ALL[dice.below(0, 9, tools) as usize].0;
-    // Most lines close nothing: of outlines half are ellipses drawn by a hand that trembles.
+    // Most random lines close nothing: half of the outlines are ellipses drawn by a trembling hand.
     let ellipse = tool == Tool::Silhouette && dice.below(0, 15, 2) == 0;
     let wide = dice.signed(0, 16);
     let samples = (0..count)
@@ -70,8 +70,8 @@ fn any(seed: u64, ids: &[u64]) -> Gesture {
     }
 }
 
-/// How far out of the head a point is, cm. In it is what the field of distances and the surface both tell to be: among folds the one
-/// is not exact, under the open neck of a bust the other is not.
+/// Depth of a point inside the head, cm: inside according to both the distance field and the surface, since the former
+/// is inexact among folds, and the latter below the open neck of a bust.
 pub(super) fn out_of(scalp: &Scalp, p: Vec3) -> f32 {
     let surface = scalp.surface();
     let exact = surface.closest(p).map_or(f32::MAX, |hit| surface.signed_distance(p, &hit));
@@ -145,7 +145,7 @@ impl Trial<'_> {
             if tool == Tool::Lengthen {
                 assert_eq!(cvs[..old.len()], old[..], "{said}: what was there moved");
             }
-            // As deep as it was at most.
+            // At most as deep as before.
             let skin = self.scalp.skin();
             for (k, p) in cvs.iter().enumerate().skip(1).filter(|(_, p)| !old.contains(p)) {
                 let (deep, was) = (out_of(self.scalp, *p), old.get(k).map(|p| skin.distance(*p)));
@@ -156,7 +156,7 @@ impl Trial<'_> {
         self.check_taken(&said, before, after);
     }
 
-    /// What a gesture resolved to makes what was drawn.
+    /// The stored result of a gesture reproduces what was drawn.
     fn check_kept(&self, name: &str, host: &dyn Host, before: &Curves, after: &Curves) {
         let gesture = self.all.last().unwrap();
         let kept = resolved(gesture, before, after, self.scalp);
@@ -176,8 +176,8 @@ impl Trial<'_> {
         }
     }
 
-    /// What changed is what the gesture names or, where it names none, one curve on the nearest layer, and else what is drawn
-    /// within its reach and not behind the head.
+    /// Changed curves are those that the gesture names or, if it names none, one curve on the nearest layer, else those
+    /// drawn within its reach and not behind the head.
     fn check_taken(&self, said: &str, before: &Curves, after: &Curves) {
         let gesture = self.all.last().unwrap();
         let tufts = |curves: &Curves| -> BTreeMap<u64, crate::maths::hash::Key> {
@@ -198,7 +198,7 @@ impl Trial<'_> {
         let discs: BTreeMap<u64, f32> =
             before.each().map(|(tuft, i)| (tuft.id(i), tuft.view(RADIUS).at(i, 0))).collect();
         if matches!(gesture.tool, Tool::Implant | Tool::Silhouette) {
-            // Replaced, and the new one under its disc.
+            // Replaced curves, and the new one under its disc.
             let new = points(after).into_iter().find(|(id, _)| !points(before).contains_key(id));
             let root = new.map(|(_, cvs)| cvs[0]);
             for id in &changed {
@@ -217,7 +217,7 @@ impl Trial<'_> {
         let seen = Seen::new(&gesture.view, self.scalp.frame());
         let line: Vec<Vec2> = gesture.samples.iter().map(|sample| sample.at).collect();
         let middle = line.iter().sum::<Vec2>() / line.len() as f32;
-        // A cut is straight, whatever the hand did between.
+        // A cut is straight, whatever the hand did in between.
         let line =
             if gesture.tool == Tool::Cut { vec![line[0], line[line.len() - 1]] } else { line };
         let was = points(before);
@@ -233,7 +233,8 @@ impl Trial<'_> {
             let off = |p: Vec3| {
                 seen.pixel(p).map_or(f32::MAX, |at| off_line(&line, at).min(at.distance(middle)))
             };
-            // Between CVs, too; a cluster is a disc of a head unit about its curve, and a circle holds what is in it.
+            // Between CVs as well; a cluster is a disc of one head unit around its curve, and a circle contains what is
+            // inside it.
             let inner = match gesture.tool {
                 Tool::Density => line.iter().fold(0.0f32, |r, p| r.max(p.distance(line[0]))),
                 _ => 0.0,
@@ -245,14 +246,14 @@ impl Trial<'_> {
                     off(p) <= inner + wide.max(gesture.size).max(60.0) + 10.0
                 })
             });
-            // The nearest that a circle on the nearest layer finds may be far off.
+            // The nearest curve that a circle on the nearest layer finds may be far away.
             let any = gesture.tool == Tool::Density && gesture.layer == Layer::Nearest;
             assert!(near || any, "{said}: {id:x} lies beside it");
         }
     }
 }
 
-/// Laws of `count` random gestures on a head, thirty to a sketch.
+/// Laws of `count` random gestures on a head, thirty per sketch.
 fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
     let set = [("scalp", scalp.clone().into()), ("count", Value::Int(60))];
     let grown = curves_of(&run(crate::by_id("scatter_guides").unwrap(), &set).0[0]).clone();
@@ -269,7 +270,7 @@ fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
             let after = trial.run(&host);
             trial.check(name, &before, &after);
             let tool = trial.all[trial.all.len() - 1].tool;
-            // (A hand draws one curve anew, names may be of four.)
+            // (A hand redraws one curve; names may refer to four.)
             let one = matches!(tool, Tool::Redraw | Tool::Point)
                 && trial.all.last().unwrap().curves.is_empty();
             if one || matches!(tool, Tool::Scatter | Tool::Silhouette) {
@@ -282,7 +283,7 @@ fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
             ids = after.each().map(|(tuft, i)| tuft.id(i)).collect();
             before = after;
         }
-        // Each taken back gives the same bits, and so does what is left where nothing is known.
+        // Each undo gives the same bits, and so does replaying the rest without a cache.
         while let Some(state) = states.pop() {
             trial.all.pop();
             assert!(keys(&trial.run(&host)) == state, "{name}, {first}: undo");
@@ -292,14 +293,14 @@ fn hold(name: &str, scalp: &Arc<Scalp>, count: u64) {
         }
     }
     if count >= 1000 {
-        // (On a small animal sixty discs of 1 cm leave no room for a copy.)
+        // (On a small animal, sixty discs of 1 cm leave no room for a copy.)
         let all = Tool::ALL.iter().map(|(tool, _)| *tool);
         let idle: Vec<Tool> = all.filter(|tool| !tools.contains(tool)).collect();
         assert!(idle.is_empty() || idle == [Tool::Scatter], "{name}: {idle:?} did nothing");
     }
 }
 
-/// Every head, and the animals, with what to read them with.
+/// Every head and animal, with the settings for reading it.
 fn heads() -> Vec<(&'static str, Vec<(&'static str, Value)>)> {
     let animal = |scale: f32| {
         let units = [("units", "custom".into()), ("scale", Value::Float(scale))];
@@ -334,7 +335,7 @@ fn random_gestures_keep_their_laws_on_real_heads_and_animals() {
     }
 }
 
-/// The heads whose names begin so, with ten thousand gestures each.
+/// The heads whose names begin like this, with ten thousand gestures each.
 fn long(names: &str) {
     for (name, set) in heads().into_iter().filter(|(name, _)| name.starts_with(names)) {
         let test = "ten_thousand_random_gestures_keep_their_laws";

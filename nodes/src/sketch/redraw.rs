@@ -1,8 +1,9 @@
 //! Re-draw: from where the stroke begins on a curve, the curve follows the stroke to its end; beyond the paper.
 //!
-//! It goes as deep as curves about it do, as an implant would. Guarantees: what lies before that place stays, and so do pins: a curve
-//! is re-drawn behind its last one. Its values (radius, twist and all it carried) keep their places from there to the tip. What was
-//! drawn is kept in a frame at that place, which is found on each head where the stroke begins.
+//! It takes the depth of the curves around it, as an implant would. Guarantees: everything before that point stays, and
+//! so do pins: a curve is redrawn only beyond its last one. Its values (radius, twist and all other attributes) keep
+//! their positions from there to the tip. The drawn part is stored in a frame at that point, which is located on each
+//! head where the stroke begins.
 
 use super::grow::{clear, even, length, onward, stroke, turned};
 use super::hand::{Hand, Sketch, off_line};
@@ -13,7 +14,7 @@ use crate::data::gestures::{Gesture, RootFrame};
 use crate::data::scalp::{Scalp, Skin};
 use glam::{Vec2, Vec3};
 
-/// A place nearer to a CV than this part of a segment is that CV.
+/// A position closer to a CV than this fraction of a segment is that CV.
 const AT_CV: f32 = 0.1;
 /// The shortest stroke, in segments.
 const SHORTEST: f32 = 0.25;
@@ -57,12 +58,12 @@ pub(super) fn redraw(hand: &Hand, sketch: &mut Sketch) {
 
 const SHORT: &str = "it has no length: draw on from the curve";
 
-/// Whether a line is long enough to be a part of a curve: a tap of a hand that trembles takes none off.
+/// Whether a line is long enough to be part of a curve: a tap with a trembling hand removes nothing.
 fn is_long(hand: &Hand, line: &[Vec3]) -> bool {
     length(line) >= SHORTEST * hand.set.segment
 }
 
-/// The CVs that a stroke gives a curve; none where it has no length.
+/// The new CVs of a curve from a stroke; `None` if it has no length.
 fn redrawn(hand: &Hand, sketch: &mut Sketch, lock: &Lock, begin: &Begin) -> Option<Vec<Vec3>> {
     let (mut points, first) = (begin.kept.clone(), begin.kept.len() - 1);
     let from = points[first];
@@ -93,16 +94,16 @@ fn redrawn(hand: &Hand, sketch: &mut Sketch, lock: &Lock, begin: &Begin) -> Opti
     Some(points)
 }
 
-/// Where a curve is drawn anew.
+/// Where a curve is redrawn.
 struct Begin {
     /// In CVs from the root.
     place: f32,
-    /// The CVs that stay, the last one at that place.
+    /// The CVs that stay, the last one at that position.
     kept: Vec<Vec3>,
 }
 
 impl Begin {
-    /// The frame in which what goes on from there is kept.
+    /// The frame for storing the continuation from there.
     fn frame(&self, scalp: &Scalp) -> Option<RootFrame> {
         match self.kept[..] {
             [root] => Some(RootFrame::at(scalp, &scalp.closest_root(root)?)),
@@ -117,7 +118,7 @@ fn begin(seen: &Seen, points: &[Vec3], start: Vec2, skin: &Skin) -> Option<Begin
     if (place - place.round()).abs() <= AT_CV {
         place = place.round();
     }
-    // (From the very tip on it would be a lengthening.)
+    // (From the very tip, it would be a lengthening.)
     let mut kept = points[..=place as usize].to_vec();
     if place.fract() > 0.0 {
         kept.push(skin.lift_exactly(at(points, place), CLEARANCE).0);
@@ -125,7 +126,8 @@ fn begin(seen: &Seen, points: &[Vec3], start: Vec2, skin: &Skin) -> Option<Begin
     Some(Begin { place, kept })
 }
 
-/// The place of a curve (in CVs) that is drawn nearest to a pixel, and how far off it is, pixels; none where all is behind the eye.
+/// The position on a curve (in CVs) drawn nearest to a pixel, and its distance, pixels; `None` if the whole curve is
+/// behind the eye.
 fn place(seen: &Seen, points: &[Vec3], to: Vec2) -> Option<(f32, f32)> {
     let mut best: Option<(f32, f32)> = None;
     for (k, pair) in points.windows(2).enumerate() {
@@ -140,13 +142,13 @@ fn place(seen: &Seen, points: &[Vec3], to: Vec2) -> Option<(f32, f32)> {
     best
 }
 
-/// A place of a curve.
+/// The point at a position on a curve.
 fn at(points: &[Vec3], place: f32) -> Vec3 {
     let k = (place as usize).min(points.len() - 2);
     points[k].lerp(points[k + 1], place - k as f32)
 }
 
-/// What a re-drawn curve keeps of the stroke: its new CVs, in the frame of the place where it begins.
+/// What a redrawn curve stores of the stroke: its new CVs, in the frame of the point where it begins.
 pub(super) fn kept(
     gesture: &Gesture,
     scalp: &Scalp,

@@ -1,37 +1,38 @@
-//! Curves set right after they were pushed: segments as long as they were, no sharp angles, out of the head.
+//! Repairs curves after a push: restores segment lengths, removes sharp angles, and moves CVs out of the head.
 //!
-//! Guarantees: CVs up to the last that holds its place do not move; segments keep their lengths, but where the head leaves no room;
-//! no moved CV ends under the skin, or deeper than it was. Not promised: that no angle is sharp where the head makes it so.
+//! Guarantees: CVs up to the last fixed one do not move; segments keep their lengths, except where the head leaves no
+//! room; no moved CV ends below the skin, or deeper than before. Not promised: no sharp angles where the head forces
+//! one.
 
 use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
-/// Over the skin by so much (cm) CVs are kept.
+/// Height of CVs above the skin, cm.
 pub(super) const CLEARANCE: f32 = 0.02;
-/// The cosine of the widest turn from segment to segment: 60 degrees.
+/// Cosine of the widest turn between segments: 60 degrees.
 const SHARP: f32 = 0.5;
-/// Rounds in which angles and lengths are evened.
+/// Rounds of smoothing angles and lengths.
 const ROUNDS: usize = 3;
-/// Tries to put a CV on the skin as far from the last as it was.
+/// Attempts to put a CV on the skin at its old distance from the previous one.
 const TRIES: usize = 10;
-/// Ways that are looked at where that leads nowhere.
+/// Directions tried if that fails.
 const WAYS: usize = 128;
-/// A segment that leads along the skin by less than this part of itself is stuck in it.
+/// A segment whose component along the skin is below this fraction of its length is stuck.
 const STUCK: f32 = 0.7;
 
-/// What a curve keeps while it is pushed about.
+/// What a curve preserves while it is pushed.
 pub(super) struct Rest {
     /// Lengths of its segments, cm.
     lengths: Vec<f32>,
-    /// How far over the skin each CV stays, cm: less than the clearance where it lay lower.
+    /// Height of each CV above the skin, cm: below the clearance if it was lower before.
     heights: Vec<f32>,
     held: usize,
 }
 
 impl Rest {
-    /// As it is now; `held` is the last CV that holds its place.
+    /// From the current state; `held` is the last fixed CV.
     pub(super) fn of(points: &[Vec3], held: usize, skin: &Skin) -> Self {
         Self {
             lengths: points.windows(2).map(|pair| pair[0].distance(pair[1])).collect(),
@@ -39,13 +40,13 @@ impl Rest {
             held,
         }
     }
-    /// For a curve that is new.
+    /// For a new curve.
     pub(super) fn new(lengths: Vec<f32>, held: usize) -> Self {
         let heights = vec![CLEARANCE; lengths.len() + 1];
         Self { lengths, heights, held }
     }
 
-    /// Sets the curve right.
+    /// Repairs the curve.
     pub(super) fn relax(&self, points: &mut [Vec3], skin: &Skin) {
         for _ in 0..ROUNDS {
             self.blunt(points);
@@ -56,7 +57,7 @@ impl Rest {
         }
     }
 
-    /// Lengths alone, and out of the head: what is done while the pen moves.
+    /// Only lengths, and out of the head: used while the pen moves.
     pub(super) fn lengthen(&self, points: &mut [Vec3], skin: &Skin) {
         let mut way = Vec3::ZERO;
         for k in self.held + 1..points.len() {
@@ -72,7 +73,7 @@ impl Rest {
                 }
                 let out = (lifted - points[k]).normalize_or(Vec3::Y);
                 let mut to = lifted - from;
-                // Straight into the head lifting leads back: it goes on as the curve did, over the skin.
+                // Straight into the head, lifting leads back: continue in the curve's direction, along the skin.
                 if to.reject_from_normalized(out).length() < STUCK * length {
                     let on = across(before, out).unwrap_or_else(|| any_normal(out));
                     to += on * (0.5 * length);
@@ -87,7 +88,7 @@ impl Rest {
         }
     }
 
-    /// Takes sharp angles out.
+    /// Removes sharp angles.
     fn blunt(&self, points: &mut [Vec3]) {
         for k in self.held + 1..points.len().saturating_sub(1) {
             let (a, b) = (points[k] - points[k - 1], points[k + 1] - points[k]);
@@ -98,10 +99,10 @@ impl Rest {
     }
 }
 
-/// The way nearest to one that a segment of this length can take from a place without ending in the head, among folds and behind
-/// ears, too; that one where all lead into it.
+/// The direction closest to a given one in which a segment of this length does not end inside the head, among folds and
+/// behind ears as well; the given one if all directions fail.
 fn free_way(from: Vec3, way: Vec3, length: f32, height: f32, skin: &Skin) -> Vec3 {
-    // All ways about evenly: equal steps in height, each turned on by the golden angle.
+    // Evenly distributed directions: equal steps in height, each rotated by the golden angle.
     let all = (0..WAYS).map(|k| {
         let high = 1.0 - (2.0 * k as f32 + 1.0) / WAYS as f32;
         let (sin, cos) = sin_cos(2.399_963_2 * k as f32);

@@ -1,4 +1,5 @@
-//! Tests: gestures replayed where they were not drawn: more guides, another parting, another head; and what the report says.
+//! Tests: gestures replayed where they were not drawn (more guides, another parting, another head), and the contents of
+//! the report.
 
 use super::hair_sketch::{self, resolved};
 use super::laws::{drawn, line, points};
@@ -18,7 +19,7 @@ use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
-/// A sketch with its report and what it says.
+/// A sketch with its report and messages.
 fn replay(
     host: &dyn Host,
     scalp: &Arc<Scalp>,
@@ -34,7 +35,7 @@ fn replay(
     (curves_of(&out[0]).clone(), log.gestures(), said)
 }
 
-/// A pen on a head: each stroke is kept with what it resolved to, as a window does.
+/// A pen on a head: each stroke is stored with its result, as a window does.
 struct Pen {
     host: Memory,
     scalp: Arc<Scalp>,
@@ -49,7 +50,7 @@ impl Pen {
         Self { host: Memory::default(), scalp, upstream, kept: vec![], now }
     }
 
-    /// Draws a stroke seen from `view`; says whether it did anything. What did nothing is not kept.
+    /// Draws a stroke seen from `view`; returns whether it had an effect. A stroke without effect is not stored.
     fn draw(&mut self, tool: Tool, layer: Layer, view: View, stroke: &[Vec2]) -> bool {
         let id = 1 + self.kept.len() as u64;
         let gesture = Gesture { id, view, ..drawn(tool, layer, stroke) };
@@ -68,13 +69,13 @@ impl Pen {
     }
 }
 
-/// A view of a place of a head from 60 head units outside it, straight on but for `aside` (parts of that).
+/// A view of a point of a head from 60 head units outside it, straight on except for `aside` (as a fraction of that).
 fn looking_at(scalp: &Scalp, p: Vec3, out: Vec3, aside: Vec3) -> View {
     let frame = scalp.frame();
     let (target, out) = (frame.head_from_point(p), frame.head_from_vector(out));
     let eye = target + (out + aside).normalize() * 60.0;
     let ahead = (target - eye).normalize();
-    // Above the crown the face is down in the picture.
+    // Above the crown, the face is at the bottom of the picture.
     let up = if ahead.y.abs() > 0.9 { Vec3::NEG_Z } else { Vec3::Y };
     View { eye, target, up, half_height: 0.25, parallel: false, pixels: 1000.0 }
 }
@@ -85,7 +86,7 @@ fn built_in() -> Arc<Scalp> {
 }
 
 fn guides(scalp: &Arc<Scalp>, count: i64) -> Curves {
-    // Those of the groom that a new document begins with.
+    // Those of the default groom of a new document.
     let float = |name, x: f32| (name, Value::Float(x));
     let set = [
         ("scalp", scalp.clone().into()),
@@ -99,7 +100,7 @@ fn guides(scalp: &Arc<Scalp>, count: i64) -> Curves {
     curves_of(&run(crate::by_id("scatter_guides").unwrap(), &set).0[0]).clone()
 }
 
-/// The built-in head, parted from front to back so many cm to its left.
+/// The built-in head, parted from front to back this many cm to its left.
 fn parted(aside: f32) -> Arc<Scalp> {
     let scalp = built_in();
     let frame = scalp.frame();
@@ -118,7 +119,7 @@ fn parted(aside: f32) -> Arc<Scalp> {
     }
 }
 
-/// Twenty gestures on guides: combs, cuts and lengthenings at guides all over the head.
+/// Twenty gestures on guides: combs, cuts and lengthenings all over the head.
 fn twenty(scalp: &Arc<Scalp>, upstream: &Curves) -> Pen {
     let mut pen = Pen::new(scalp.clone(), Some(upstream.clone()));
     let dice = Dice::new(7, 0, "twenty");
@@ -149,7 +150,7 @@ fn twenty(scalp: &Arc<Scalp>, upstream: &Curves) -> Pen {
     pen
 }
 
-/// The farthest that a CV lies from a line.
+/// Largest distance of a CV from a line.
 fn off(cvs: &[Vec3], others: &[Vec3]) -> f32 {
     let near = |p: &Vec3| {
         let off = |pair: &[Vec3]| {
@@ -171,7 +172,8 @@ fn median(mut all: Vec<f32>) -> f32 {
     all[all.len() / 2]
 }
 
-/// What is told of gestures on other curves: each has its line, what is gone is in it, and nothing is left undone in silence.
+/// The report of gestures on other curves: each has its line, with its missing curves, and nothing is left undone
+/// silently.
 #[track_caller]
 fn told_whole(gestures: &[Gesture], told: &[Arc<Replayed>], there: &BTreeSet<u64>) {
     assert_eq!(told.len(), gestures.len());
@@ -226,7 +228,7 @@ fn a_moved_parting_keeps_what_was_combed_and_names_the_guides_that_it_took() {
     let gone: BTreeSet<u64> = edited.iter().filter(|id| !up_is.contains_key(id)).copied().collect();
     let named: BTreeSet<u64> = told.iter().flat_map(|one| one.orphaned.clone()).collect();
     assert_eq!(named, gone, "{said:?}");
-    // Gone are those that the parting took: of 350 on 600 cm2 two or three.
+    // Missing are those that the parting removed: of 350 on 600 cm2, two or three.
     assert!(gone.iter().all(|id| !there.free(up_was[id][0])) && gone.len() <= 5, "{gone:x?}");
     let kept: Vec<&u64> = edited.difference(&gone).collect();
     assert!(kept.len() > 100, "{}", kept.len());
@@ -247,7 +249,7 @@ fn on_another_head_each_gesture_does_its_work_or_says_what_it_leaves() {
         let upstream = guides(&other, 350);
         let (after, told, said) = replay(&pen.host, &other, Some(&upstream), &pen.kept);
         told_whole(&pen.kept, &told, &points(&upstream).into_keys().collect());
-        // What no gesture took is what came in.
+        // Untouched curves are the input.
         let (came, is) = (points(&upstream), points(&after));
         let taken: BTreeSet<u64> = pen.kept.iter().flat_map(|one| one.curves.clone()).collect();
         for (id, cvs) in came.iter().filter(|(id, _)| !taken.contains(id)) {
@@ -260,7 +262,7 @@ fn on_another_head_each_gesture_does_its_work_or_says_what_it_leaves() {
     }
 }
 
-/// Implants all over the scalp of the built-in head, each other one combed.
+/// Implants all over the scalp of the built-in head, every other one combed.
 fn implants() -> Pen {
     let scalp = built_in();
     let mut pen = Pen::new(scalp.clone(), None);
@@ -271,7 +273,7 @@ fn implants() -> Pen {
         let n = n as u64;
         let aside = Vec3::from([0, 1, 2].map(|k| dice.signed(n, k))) * 0.35;
         let view = looking_at(&scalp, root.point, root.normal, aside);
-        // 0.025 cm a pixel: 5 to 10 cm, more or less down.
+        // 0.025 cm per pixel: 5 to 10 cm, more or less down.
         let (sin, cos) = sin_cos(dice.signed(n, 3));
         let to = Vec2::new(sin, cos) * dice.range(n, 4, 200.0, 400.0);
         assert!(pen.draw(Tool::Implant, Layer::Scalp, view, &line([0.0, 0.0], to.into())));
@@ -284,7 +286,7 @@ fn implants() -> Pen {
     pen
 }
 
-/// Degrees between the ways from root to tip of curves of the built-in head and of another.
+/// Degrees between the directions from root to tip of curves of the built-in head and of another.
 fn turned(was: &Curves, is: &Curves, other: &Scalp) -> Vec<f32> {
     let way = |cvs: &[Vec3]| cvs[cvs.len() - 1] - cvs[0];
     let (from, is) = (built_in(), points(is));
@@ -296,11 +298,11 @@ fn turned(was: &Curves, is: &Curves, other: &Scalp) -> Vec<f32> {
     points(was).into_iter().map(each).collect()
 }
 
-/// What a pen drew on the built-in head, on another.
+/// What a pen drew on the built-in head, on another head.
 fn check_drawn(name: &str, pen: &Pen, other: &Arc<Scalp>) {
     let (after, told, said) = replay(&pen.host, other, None, &pen.kept);
     let is = points(&after);
-    // Not one is lost, and one comb at most does not meet its hair.
+    // None is lost, and at most one comb misses its hair.
     assert!(is.keys().eq(points(&pen.now).keys()), "{name}");
     assert!(told.iter().filter(|one| !one.said.is_empty()).count() <= 1, "{name}: {said:?}");
     let drifts: Vec<f32> = told.iter().filter_map(|one| one.drift).collect();
@@ -314,7 +316,7 @@ fn check_drawn(name: &str, pen: &Pen, other: &Arc<Scalp>) {
     assert!(turned < 5.0 && deepest > -2e-3, "{name}: {turned}, {deepest}");
 }
 
-/// Guides all over the built-in head as gestures that keep their roots and paths.
+/// Guides all over the built-in head as gestures with stored roots and paths.
 fn planted() -> (Vec<Gesture>, Curves) {
     let scalp = built_in();
     let grown = guides(&scalp, 600);
@@ -349,7 +351,7 @@ fn what_was_drawn_on_the_built_in_head_stands_on_others_within_two_millimetres_a
         let test = "what_was_drawn_on_the_built_in_head_stands_on_others";
         let Some(other) = shared_head(test, name, &[]) else { continue };
         check_drawn(name, &pen, &other);
-        // The scan's skin is as rough as what it was scanned from.
+        // The scan's skin is as rough as its source.
         if !name.starts_with("snowden") {
             check_planted(name, &planted, &other);
         }

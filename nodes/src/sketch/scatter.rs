@@ -1,12 +1,14 @@
-//! Scatter: copies of a cluster stand where the pen paints, beyond the paper, whose artists found it hard to implant all clusters.
+//! Scatter: copies of a cluster placed where the pen paints; beyond the paper, whose artists found it tedious to
+//! implant every cluster.
 //!
-//! The cluster drawn nearest to where the pen came down is copied. Copies stand along the stroke, and in rows beside it as far as
-//! the brush reaches, wherever there is room for their discs. Each keeps its shape in the frame of its own root, and turns to
-//! where clusters about it lead, seen from their roots, the nearer the more.
+//! The cluster drawn nearest to the start of the stroke is copied. Copies are placed along the stroke, and in rows
+//! beside it as far as the brush reaches, wherever there is room for their discs. Each copy keeps its shape in the
+//! frame of its own root, turned toward the mean direction of the surrounding clusters, weighted by the proximity of
+//! their roots.
 //!
-//! Guarantees: no curve that was there changes; no copy stands nearer to a root than nine tenths of both discs; no CV of a copy lies
-//! under the skin; the same stroke makes the same copies. Once drawn (their roots are known) copies stand where they stood,
-//! whatever is there. Not promised: that rows are packed as closely as discs could be.
+//! Guarantees: no existing curve changes; no copy is closer to a root than nine tenths of both discs; no CV of a copy
+//! lies below the skin; the same stroke makes the same copies. Once drawn (with stored roots), copies keep their
+//! positions, whatever else is there. Not promised: that rows are packed as densely as possible.
 
 use super::grow::clear;
 use super::hand::{Hand, Sketch, off_line};
@@ -19,17 +21,17 @@ use crate::maths::hash::curve_id;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// Roots are farther apart than this part of the sum of their discs: discs of a full head overlap a little.
+/// Smallest distance of roots, as a fraction of the sum of their disc radii: discs of a full head overlap slightly.
 pub(super) const APART: f32 = 0.9;
-/// The most copies that one stroke makes.
+/// The most copies per stroke.
 const MOST: usize = 1000;
-/// The most steps of the stroke that are looked at, and the most places in all, beside it too.
+/// The most steps of the stroke that are tried, and the most positions in all, including beside it.
 const MOST_STEPS: f32 = 2000.0;
 const MOST_PLACES: usize = 20_000;
-/// How far beside a place (cm) another is tried where a root does not keep, and how often.
+/// Distance (cm) at which other positions are tried if a root is not stable, and their number.
 const BESIDE: f32 = 5e-4;
 const TRIES: usize = 24;
-/// Places nearer than this (pixels) are the same.
+/// Positions closer than this (pixels) are the same.
 const LEAST: f32 = 2.0;
 
 pub(super) fn scatter(hand: &Hand, sketch: &mut Sketch) {
@@ -83,7 +85,7 @@ pub(super) fn scatter(hand: &Hand, sketch: &mut Sketch) {
     sketch.now.changed = roots.len().min(MOST);
 }
 
-/// The curve that a gesture copies: the first of those it names or, where it names none, the nearest to its start.
+/// The curve that a gesture copies: the first named one or, if it names none, the one nearest to its start.
 pub(super) fn source(gesture: &Gesture, scalp: &Scalp, locks: &[Arc<Lock>]) -> Option<u64> {
     let named = |lock: &&Arc<Lock>| lock.is_curve() && gesture.curves.contains(&lock.id);
     if !gesture.curves.is_empty() {
@@ -93,7 +95,7 @@ pub(super) fn source(gesture: &Gesture, scalp: &Scalp, locks: &[Arc<Lock>]) -> O
     nearest(&seen, scalp, locks, gesture.samples[0].at).map(|(i, _)| locks[i].id)
 }
 
-/// The curve drawn nearest to a pixel where the head does not hide it, and how far off that is, pixels.
+/// The curve drawn nearest to a pixel that the head does not hide, and its distance, pixels.
 fn nearest(seen: &Seen, scalp: &Scalp, locks: &[Arc<Lock>], at: Vec2) -> Option<(usize, f32)> {
     let mut best: Option<(usize, f32)> = None;
     for (i, lock) in locks.iter().enumerate().filter(|(_, lock)| lock.is_curve()) {
@@ -109,7 +111,7 @@ fn nearest(seen: &Seen, scalp: &Scalp, locks: &[Arc<Lock>], at: Vec2) -> Option<
     best
 }
 
-/// Roots that the gesture keeps, on this head, each with how far it lies from where it was given, cm.
+/// Stored roots of the gesture, on this head, each with its distance from the stored position, cm.
 fn kept(hand: &Hand) -> Vec<(Root, f32)> {
     let root = |p: &Vec3| {
         let drawn = hand.scalp.place(*p);
@@ -119,8 +121,8 @@ fn kept(hand: &Hand) -> Vec<(Root, f32)> {
     hand.gesture.path.iter().take(MOST + 1).filter_map(root).collect()
 }
 
-/// A root that a document leads back to, at this one or a hair's breadth beside it: what it keeps of it is rounded, and among folds
-/// of the skin the least rounding may turn what stands there. None where none was found.
+/// A root that a document can restore, at this one or slightly beside it: stored values are rounded, and among folds of
+/// the skin the smallest rounding may turn what grows there. `None` if none was found.
 fn settled(scalp: &Scalp, root: Root) -> Option<Root> {
     let aside = any_normal(root.normal) * BESIDE;
     (0..TRIES).find_map(|k| {
@@ -140,7 +142,7 @@ fn settled(scalp: &Scalp, root: Root) -> Option<Root> {
     })
 }
 
-/// Places along the stroke, and then beside it row by row, where a copy has room.
+/// Positions along the stroke, and then beside it row by row, with room for a copy.
 fn free(hand: &Hand, sketch: &Sketch, source: &Lock) -> Vec<(Root, f32)> {
     let disc = source.radius.max(0.0);
     let there = sketch.locks.iter().filter(|lock| lock.is_curve());
@@ -180,14 +182,15 @@ fn free(hand: &Hand, sketch: &Sketch, source: &Lock) -> Vec<(Root, f32)> {
     roots
 }
 
-/// Where curves lead, each seen from its root; found once each, where asked for.
+/// Directions of curves, each in the frame of its root; computed on demand.
 struct Ways<'a> {
     scalp: &'a Scalp,
     known: Vec<Option<Vec3>>,
 }
 
 impl Ways<'_> {
-    /// The mean over the curves whose roots lie nearer than `tau` (cm) to a place, the nearer the more; unit. None where none do.
+    /// The mean over the curves whose roots are within `tau` (cm) of a position, weighted by proximity; unit. `None` if
+    /// there are none.
     fn about(&mut self, locks: &[Arc<Lock>], at: Vec3, tau: f32) -> Option<Vec3> {
         let mut sum = Vec3::ZERO;
         for (lock, known) in locks.iter().zip(&mut self.known).filter(|(lock, _)| lock.is_curve()) {
@@ -217,13 +220,13 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::testing::head;
 
-    /// Where a root is on the ball, from the front: so many cm to the right of the middle.
+    /// Position of a root on the ball, from the front, this many cm to the right of the centre.
     fn on_ball(scalp: &Scalp, x: f32) -> Vec3 {
         let p = Vec3::new(x, 0.0, (8.9f32 * 8.9 - x * x).sqrt());
         scalp.closest_root(p).unwrap().point
     }
 
-    /// A curve of five CVs that leads out, and as far down or aside as asked.
+    /// A curve of five CVs that leads out, and down or aside by the given amounts.
     fn lock(scalp: &Scalp, id: u64, root: Vec3, down: f32, aside: f32) -> TuftBuilder {
         let own = RootFrame::at(scalp, &scalp.closest_root(root).unwrap());
         let mut b = TuftBuilder::new();
@@ -251,7 +254,7 @@ mod tests {
             let (curves, said) = sketch_on(&scalp, Some(&upstream), &[stroke]);
             assert!(said.is_empty(), "{said:?}");
             let roots = roots(&curves);
-            // One less at most: steps of a tenth of that, coarser where the skin leads away.
+            // One less at most: steps are a tenth of that, coarser where the skin leads away.
             let wanted = 1 + (arc / 1.8) as usize;
             assert!((wanted - 1..=wanted).contains(&roots.len()), "{x}: {} {wanted}", roots.len());
             assert!(roots.len() > last);
@@ -266,7 +269,7 @@ mod tests {
             let (curves, _) = sketch_on(&scalp, Some(&upstream), &[wide]);
             assert!(curves.curve_count() > roots.len() + 1, "{}", curves.curve_count());
         }
-        // Where all is taken nothing is made, and that is said.
+        // Where there is no room, nothing is made, and that is reported.
         let tap = drawn(Tool::Scatter, Layer::Scalp, &[seen.pixel(first).unwrap()]);
         let (same, said) = sketch_on(&scalp, Some(&upstream), &[tap]);
         assert!(same.curve_count() == 1 && said[0].contains("no room for a copy"), "{said:?}");
@@ -309,7 +312,7 @@ mod tests {
             assert_eq!((tuft.view(ROLL).at(0, 1), tuft.view(ROLL).at(0, 4)), (15.0, 30.0));
             assert_eq!(tuft.view(PINNED).at(0, 2), 0);
         }
-        // One at the far end leads aside: copies turn there, those beyond tau (4 cm) of it do not.
+        // One at the far end leads aside: copies turn there, except for those more than tau (4 cm) away.
         let far = on_ball(&scalp, 6.0);
         let other = Arc::new(lock(&scalp, 6, far, 0.0, 1.0).build());
         let both = Curves::new(vec![first, other]);
@@ -320,7 +323,7 @@ mod tests {
             if root.distance(far) > 4.0 {
                 assert!(p.distance(Vec3::new(4.0, 2.0, 0.0)) < 0.01, "{p}");
             } else if root.distance(roots(&curves)[0]) > 4.0 {
-                // That one alone is near: its way, 45 degrees aside, at the length of the copy.
+                // Only that one is near: its direction, 45 degrees aside, with the length of the copy.
                 let wanted = Vec3::new(1.0, 0.0, 1.0).normalize() * 20f32.sqrt();
                 assert!(p.distance(wanted) < 0.02, "{p}, not {wanted}");
                 turned += 1;
@@ -349,7 +352,7 @@ mod tests {
         way.extend(line([-at.x, at.y], [0.0, at.y + 300.0]));
         let stroke = Gesture { size: 60.0, ..drawn(Tool::Scatter, Layer::Scalp, &way) };
         let (curves, said) = sketch_on(&scalp, Some(&upstream), std::slice::from_ref(&stroke));
-        // (That lengths fit the head's size is always said.)
+        // (A message that lengths follow the head's size is always there.)
         let undone = |said: &[String]| said.iter().any(|text| text.contains("gesture"));
         assert!(!undone(&said) && curves.curve_count() > 10, "{said:?} {}", curves.curve_count());
         for (tuft, i) in curves.each().skip(1) {
@@ -366,7 +369,7 @@ mod tests {
             let off = cvs.iter().zip(&b[id]).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
             assert!(off < 1e-4, "{off}");
         }
-        // On another head, all of them, out of it; without the one they copy, none.
+        // On another head, all of them, out of the skin; without the one they copy, none.
         let (other, _) = sketch_on(&shared_ball(), Some(&upstream), std::slice::from_ref(&kept));
         assert_eq!(other.curve_count(), curves.curve_count());
         let (none, said) = sketch_on(&scalp, None, &[kept]);

@@ -1,7 +1,7 @@
-//! A head as a gesture saw it: between places of the world and pixels of the picture that was drawn on.
+//! The view of a gesture: converts between positions in space and pixels of the picture it was drawn on.
 //!
-//! Guarantees: the same for every machine and window, for all of it is in the gesture; on another head the eye stands where it
-//! stood to the first one, in head units.
+//! Guarantees: the same on every machine and in every window, since the gesture stores all of it; on another head, the
+//! eye keeps its position in head units.
 
 use super::stroke_shape::resampled;
 use crate::data::gestures::View;
@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     eye: Vec3,
-    /// Unit and at right angles: to the picture's right, to its top, and into it.
+    /// Orthonormal: to the picture's right, to its top, and into it.
     across: Vec3,
     up: Vec3,
     ahead: Vec3,
@@ -22,13 +22,13 @@ pub struct Seen {
     pixels: f32,
 }
 
-/// Nearer to the eye than this (cm) nothing is seen.
+/// Nothing closer to the eye than this (cm) is visible.
 const NEAR: f32 = 0.1;
-/// What is drawn over a point by less than this (cm) does not hide it: skin under hair that lies on it.
+/// Anything less than this (cm) in front of a point does not hide it: skin under hair that lies on it.
 const VEIL: f32 = 0.35;
 
 impl Seen {
-    /// A view of a head that stands so.
+    /// A view of a head with this frame.
     pub fn new(view: &View, frame: &HeadFrame) -> Self {
         let eye = frame.point_from_head(view.eye);
         let ahead = (frame.point_from_head(view.target) - eye).normalize_or(-frame.forward);
@@ -47,31 +47,31 @@ impl Seen {
         }
     }
 
-    /// Whether all lines of sight are parallel.
+    /// Whether the projection is parallel.
     pub fn is_parallel(&self) -> bool {
         self.parallel
     }
 
-    /// Into the picture, unit.
+    /// Direction into the picture, unit.
     pub fn ahead(&self) -> Vec3 {
         self.ahead
     }
 
-    /// How far before the eye a point lies along the view, cm.
+    /// Depth of a point in front of the eye, along the view, cm.
     pub fn depth(&self, p: Vec3) -> f32 {
         (p - self.eye).dot(self.ahead)
     }
 
-    /// How many cm of the world a pixel covers at a depth.
+    /// Centimetres per pixel at a depth.
     pub fn cm_per_pixel(&self, depth: f32) -> f32 {
         let far = if self.parallel { 1.0 } else { depth.max(NEAR) };
         2.0 * self.half_height * far / self.pixels
     }
 
-    /// Where a point is drawn, in pixels from the middle, to the right and down; none behind the eye.
+    /// Position of a point in the picture, in pixels from its centre, to the right and down; `None` behind the eye.
     pub fn pixel(&self, p: Vec3) -> Option<Vec2> {
         let depth = self.depth(p);
-        // Written so that what is no number is left out.
+        // Written so that NaN is rejected.
         if !(p.is_finite() && depth >= NEAR) {
             return None;
         }
@@ -85,7 +85,7 @@ impl Seen {
         self.eye + self.ahead * depth + self.across * off.x - self.up * off.y
     }
 
-    /// Where the line of sight through a pixel begins, and its direction, unit.
+    /// Origin and unit direction of the line of sight through a pixel.
     pub fn ray(&self, pixel: Vec2) -> (Vec3, Vec3) {
         if self.parallel {
             (self.at(pixel, 0.0), self.ahead)
@@ -94,13 +94,13 @@ impl Seen {
         }
     }
 
-    /// The normal of the plane of all that is drawn on the line through two pixels, unit.
+    /// Normal of the plane of everything drawn on the line through two pixels, unit.
     pub fn plane(&self, a: Vec2, b: Vec2) -> Vec3 {
         let along = self.at(b, 1.0) - self.at(a, 1.0);
         along.cross(self.ray(a.midpoint(b)).1).normalize_or(self.up)
     }
 
-    /// Where the head is met under a pixel.
+    /// Where the line of sight through a pixel hits the head.
     pub fn head(&self, scalp: &Scalp, pixel: Vec2) -> Option<Hit> {
         let (origin, direction) = self.ray(pixel);
         scalp.surface().ray(origin, direction, f32::MAX)
@@ -115,8 +115,8 @@ impl Seen {
     }
 }
 
-/// A stroke as a line of equal steps, its first point first; what is left at its end is a shorter one where it is half a step or more. A
-/// stroke shorter than a step is one from end to end; one without any length none.
+/// A stroke as a polyline of equal steps, starting at its first point; the remainder forms a shorter step if it is half
+/// a step or more. A stroke shorter than a step is a single segment; one without length is empty.
 pub fn steps(points: &[Vec2], step: f32) -> Vec<Vec2> {
     let mut line = resampled(points, step);
     if let (Some(at), Some(last)) = (line.last(), points.last()) {

@@ -1,35 +1,36 @@
-//! Silhouette: a closed outline drawn over the head becomes a cluster as wide as it, beyond the paper: tapered locks in one stroke.
+//! Silhouette: a closed outline drawn over the head becomes a cluster of that width; beyond the paper: tapered locks in
+//! one stroke.
 //!
-//! The outline begins and ends at the root. Its medial line, from between its ends to the middle of its far end, is the way of an
-//! implant (`grow`); half of its width there is the radius at each CV, in the depth of that CV.
+//! The outline begins and ends at the root. Its medial line, from between its ends to the middle of its far end, is the
+//! path of an implant (`grow`); half its width is the radius at each CV, at the depth of that CV.
 //!
-//! Guarantees: those of an implant; a radius at each CV, finite and not below 0; the same stroke gives the same widths wherever it
-//! is replayed. What is no outline (open, crossing itself, no larger than the reach of the pen, without width) is told and makes
-//! nothing. Not promised: widths of outlines that lead back beside themselves.
+//! Guarantees: those of an implant; a radius at each CV, finite and not negative; the same stroke gives the same widths
+//! at each replay. An invalid outline (open, self-crossing, no larger than the reach of the pen, without width) is
+//! reported and makes nothing. Not promised: the widths of outlines that double back on themselves.
 
 use super::seen::{Seen, steps};
 use glam::{Vec2, Vec3};
 
-/// Places at which an outline's two sides are held against each other.
+/// Samples at which both sides of an outline are compared.
 const PLACES: u16 = 256;
-/// The most steps of an outline that are looked at.
+/// The most steps of an outline that are examined.
 const MOST_STEPS: f32 = 256.0;
-/// The far end is as far off the root as this part of the farthest, or more.
+/// Smallest distance of the far end from the root, relative to the farthest point.
 const FAR: f32 = 0.7;
-/// A medial line that leads on by less than this part of its sides is past its end.
+/// A medial line that advances by less than this fraction of its sides is past its end.
 const LEADS_ON: f32 = 0.5;
-/// Ends apart by more than this part of the stroke close nothing.
+/// Ends farther apart than this fraction of the stroke do not close it.
 const OPEN: f32 = 0.25;
 
-/// The medial line of an outline and half of its width along it, pixels.
+/// The medial line of an outline and half the width along it, pixels.
 pub(super) struct Outline {
     pub line: Vec<Vec2>,
-    /// At each place of the line how far along it that is, pixels, and half of the width there.
+    /// For each position on the line, the distance along it in pixels, and half the width there.
     widths: Vec<(f32, f32)>,
 }
 
 impl Outline {
-    /// The outline that a stroke is under a pen that reaches `rho` pixels, or why it is none.
+    /// The outline of a stroke under a pen that reaches `rho` pixels, or why it is invalid.
     pub(super) fn of(stroke: &[Vec2], rho: f32) -> Result<Self, &'static str> {
         let (first, last) = (stroke[0], stroke[stroke.len() - 1]);
         let extent = stroke.iter().map(|p| p.distance(first)).fold(0.0, f32::max);
@@ -56,7 +57,7 @@ impl Outline {
             let at = a.midpoint(b);
             let on = at.distance(std::mem::replace(&mut last, at));
             if let Some(before) = line.last() {
-                // Along the end of a lock that is cut straight it is as wide as it was.
+                // Along the straight end of a lock, the width stays constant.
                 if on < least {
                     continue;
                 }
@@ -79,13 +80,13 @@ impl Outline {
         let half = |k: usize| {
             let along = k as f32 / last as f32;
             let half = self.half(along);
-            // One that begins in a point is as wide as it is half a segment on, so that it has hair.
+            // A cluster that begins in a point takes the width half a segment further, so that it has hair.
             if k == 0 { half.max(self.half(0.5 / last as f32)) } else { half }
         };
         (0..=last).map(|k| half(k) * seen.cm_per_pixel(seen.depth(points[k]))).collect()
     }
 
-    /// Half the width at a part of the whole line, pixels.
+    /// Half the width at a fraction of the whole line, pixels.
     fn half(&self, along: f32) -> f32 {
         let far = along * self.widths[self.widths.len() - 1].0;
         let k = self.widths.partition_point(|(at, _)| *at < far).min(self.widths.len() - 1);
@@ -96,7 +97,8 @@ impl Outline {
     }
 }
 
-/// Whether a line of steps crosses itself, but where an outline closes and its ends overshoot, or a hand trembles.
+/// Whether a line of steps crosses itself, except where an outline closes with overshooting ends, or where the hand
+/// trembles.
 fn crosses(line: &[Vec2], step: f32, rho: f32) -> bool {
     let near = (2.0 * rho / step).ceil() as usize;
     let count = line.len() - 1;
@@ -112,7 +114,7 @@ fn crosses(line: &[Vec2], step: f32, rho: f32) -> bool {
     })
 }
 
-/// An outline by how far along it a place is, pixels.
+/// An outline by arc length, pixels.
 struct Around {
     points: Vec<Vec2>,
     lengths: Vec<f32>,
@@ -140,14 +142,14 @@ impl Around {
         self.points[from].lerp(self.points[k], t.clamp(0.0, 1.0))
     }
 
-    /// Both sides at the same part of their lengths, from the root to a far end.
+    /// Both sides at the same fraction of their lengths, from the root to a far end.
     fn pair(&self, far_end: f32, t: f32) -> (Vec2, Vec2) {
         let whole = self.whole();
         (self.at(t * far_end), self.at(whole - t * (whole - far_end)))
     }
 
-    /// Where the far end is: of all that is far from the root where both sides, held against each other, lie nearest, so that a band
-    /// that bends ends in the middle of its end and not in its outer corner.
+    /// Position of the far end: among points far from the root, the one where both sides, compared with each other, are
+    /// closest, so that a bent band ends at the middle of its end and not at its outer corner.
     fn far_end(&self, root: Vec2) -> f32 {
         let off = |i: usize| self.points[i].distance(root);
         let farthest = (0..self.points.len()).map(off).fold(0.0, f32::max);
@@ -177,7 +179,8 @@ mod tests {
     use crate::maths::transcendental::sin_cos;
     use crate::testing::{curves_of, run};
 
-    /// From a root on the ball down to 8 cm under it and back, as wide to each side as asked at a part of the way, pixels.
+    /// From a root on the ball down to 8 cm below it and back, with the half-width given as a function of the fraction
+    /// of the way, pixels.
     fn outline(wide: impl Fn(f32) -> f32) -> Vec<Vec2> {
         let side = |k: i32, sign: f32| {
             let t = k as f32 / 60.0;
@@ -187,7 +190,7 @@ mod tests {
         there.chain((0..=60).rev().map(|k| side(k, 1.0))).collect()
     }
 
-    /// Half as wide as 2 cm in the depth of the ball's front: 51 cm off a pixel is 0.0255 cm.
+    /// Half as wide as 2 cm at the depth of the ball's front: a pixel 51 cm away is 0.0255 cm.
     fn leaf(t: f32) -> f32 {
         78.0 * sin_cos(std::f32::consts::PI * t).0
     }
@@ -215,7 +218,7 @@ mod tests {
         let radii = radii(tuft);
         let widest = radii.iter().copied().fold(0.0, f32::max);
         assert!((1.85..2.05).contains(&widest), "{radii:?}");
-        // In a point at its tip; at its root as wide as half a segment on.
+        // A point at its tip; at its root as wide as half a segment further.
         let last = radii.len() - 1;
         assert!(radii[last] < 0.05 && radii[0] > 0.15 && radii[0] < radii[1], "{radii:?}");
         let set = [("curves", curves.into()), ("scalp", shared_ball().into())];
@@ -223,14 +226,14 @@ mod tests {
         let (mut count, mut beside) = (0, 0.0f32);
         for (tuft, i) in curves_of(&hair[0]).each() {
             let cvs = tuft.curve(i);
-            // (Behind the root, whose disc is no point.)
+            // (Past the root, whose disc is not a point.)
             for p in &cvs[cvs.len() / 8 + 1..] {
                 let at = seen().pixel(*p).unwrap();
                 beside = beside.max(at.x.abs() - leaf(((at.y + 150.0) / 400.0).clamp(0.0, 1.0)));
             }
             count += 1;
         }
-        // Between CVs 2 cm apart a radius runs straight, and the leaf does not.
+        // Between CVs 2 cm apart the radius is linear, and the leaf is not.
         assert!(count > 20 && beside < 8.0, "{count} {beside}");
     }
 
@@ -246,7 +249,8 @@ mod tests {
             }
         }
         check(&outline(|_| 30.0), 30.0);
-        // A band of a circle, 40 wide: a quarter turn about a place beside the root, out along one side and back along the other.
+        // A band of a circle, 40 wide: a quarter turn around a point beside the root, out along one side and back along
+        // the other.
         let band = |k: i32, radius: f32| {
             let (sin, cos) = sin_cos(std::f32::consts::FRAC_PI_2 * k as f32 / 60.0);
             Vec2::new(-200.0 + radius * cos, -150.0 + radius * sin)
@@ -299,7 +303,7 @@ mod tests {
         let cut = drawn(Tool::Cut, Layer::Through, &line([-250.0, 50.0], [250.0, 50.0]));
         let (combed, said) = sketch_on(&scalp, None, &[kept.clone(), comb]);
         assert!(said.is_empty() && points(&combed) != b && radii(&combed.tufts()[0]) == is);
-        // The pen takes it by its flank, 1.5 cm off its middle where it is 2 wide and at its root a half.
+        // The pen grabs it by its flank, 1.5 cm off its centre where it is 2 wide, and a half at its root.
         let flank = drawn(Tool::Comb, Layer::Nearest, &line([60.0, 50.0], [-90.0, 50.0]));
         let (taken, said) = sketch_on(&scalp, None, &[kept.clone(), flank]);
         assert!(said.is_empty() && points(&taken) != b, "{said:?}");

@@ -1,12 +1,12 @@
 //! The shape of a pen stroke: even steps, full circles, loops, scribbles and straightness.
 //!
-//! Points are pixels, x to the right and y down, so that clockwise on the screen is positive. `rho` is the reach of the pen in the
-//! same pixels (30 in a picture 1000 high, [`RHO`]); all that is small or large here is so by it, and a stroke twice as large under
-//! a `rho` twice as large has the same shape.
+//! Points are pixels, x to the right and y down, so that clockwise on the screen is positive. `rho` is the reach of the
+//! pen in the same pixels (30 in a picture 1000 high, [`RHO`]) and the scale of everything here: a stroke twice as
+//! large under a `rho` twice as large has the same shape.
 //!
-//! Guarantees: any finite stroke has a shape, the empty one too; the mirrored stroke has the mirrored shape; the time is linear in
-//! the points, but for loops, which are sought among [`MOST_STEPS`] steps at most: a stroke too long for steps of `rho / 10` is
-//! looked at in coarser ones, and loops smaller than those are not seen.
+//! Guarantees: every finite stroke has a shape, including the empty one; the mirrored stroke has the mirrored shape;
+//! time is linear in the points, except for loops, which are searched among [`MOST_STEPS`] steps at most: a stroke too
+//! long for steps of `rho / 10` is sampled more coarsely, and loops smaller than the steps are missed.
 
 use crate::maths::transcendental::atan2;
 use glam::Vec2;
@@ -14,17 +14,17 @@ use std::f32::consts::{PI, TAU};
 
 /// Reach of the pen, pixels, in a picture 1000 pixels high.
 pub const RHO: f32 = 30.0;
-/// The most steps that loops and circles are sought among.
+/// The most steps that are searched for loops and circles.
 pub const MOST_STEPS: usize = 2000;
 /// The most points of a resampled stroke.
 pub const MOST_RESAMPLED: usize = 50_000;
 
-/// An overlap of a stroke with itself that closes a loop.
+/// A self-crossing of a stroke that closes a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop {
-    /// Where the stroke crosses itself, pixels.
+    /// Position of the crossing, pixels.
     pub at: Vec2,
-    /// 1 clockwise, -1 counter-clockwise.
+    /// 1 clockwise, -1 counterclockwise.
     pub sign: f32,
 }
 
@@ -33,33 +33,33 @@ pub struct Loop {
 pub struct Scribble {
     /// Mean width from side to side, pixels.
     pub amplitude: f32,
-    /// How often it turns back, at least 3.
+    /// Number of reversals, at least 3.
     pub reversals: u32,
 }
 
-/// How straight a stroke is.
+/// Straightness of a stroke.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Straightness {
-    /// From the first to the last point, pixels.
+    /// Distance from the first to the last point, pixels.
     pub chord: f32,
-    /// The chord by the length of the stroke without its tremor: 1 where straight, 0 where closed.
+    /// Chord divided by the length of the stroke without its tremor: 1 if straight, 0 if closed.
     pub chord_by_length: f32,
-    /// The largest distance from the chord, pixels.
+    /// Largest distance from the chord, pixels.
     pub bow: f32,
 }
 
-/// The stroke as a polyline whose segments are all `step` pixels long, from its first point on. The rest at its end, shorter than
-/// a step, is dropped, and so is what follows the first [`MOST_RESAMPLED`] points. Empty for no points; the first point alone
-/// where `step` is not above 0.
+/// The stroke as a polyline whose segments are all `step` pixels long, starting at its first point. A remainder shorter
+/// than a step is dropped, and so is everything after the first [`MOST_RESAMPLED`] points. Empty for no points; only
+/// the first point if `step` is not above 0.
 pub fn resampled(points: &[Vec2], step: f32) -> Vec<Vec2> {
     stepped(points, step, MOST_RESAMPLED).0
 }
 
-/// How many full circles the stroke has run through: clockwise ones less counter-clockwise ones. A circle is full 30 degrees
-/// before its end, for hands stop short; it may drift and be as flat as 1 to 3.
+/// Number of full circles of the stroke: clockwise minus counterclockwise. A circle counts 30 degrees before it closes,
+/// since hands stop short; it may drift and be as flat as 1 to 3.
 pub fn full_circles(points: &[Vec2], rho: f32) -> i32 {
     let path = Path::of(points, rho);
-    // From where the next circle of either way counts: where the last one ended, or the hand turned round.
+    // Where the next circle starts counting: where the last one ended, or the hand reversed.
     let (mut count, mut low, mut high) = (0, 0.0_f32, 0.0_f32);
     for (j, &turned) in path.turned.iter().enumerate() {
         low = low.min(turned + (TAU - FULL));
@@ -73,7 +73,7 @@ pub fn full_circles(points: &[Vec2], rho: f32) -> i32 {
         } else {
             continue;
         };
-        // The last such turn, so that a straight way in is no part of it.
+        // The last such turn, so that a straight lead-in is not part of it.
         let first = (0..j).rev().find(|&i| (turned - path.turned[i]) * sign >= FULL);
         let round = first.map_or(0.0, |i| path.roundness(i, j, path.points[i]));
         count += if round * sign >= ROUND { sign as i32 } else { 0 };
@@ -81,17 +81,17 @@ pub fn full_circles(points: &[Vec2], rho: f32) -> i32 {
     count
 }
 
-/// Where the stroke closes loops, in the order in which it does. Each turn of the hand counts once, however many earlier turns it
-/// crosses. No loops: what is shorter around than half of `rho`, and a way there and back whose halves cross.
+/// Where the stroke closes loops, in order. Each turn of the hand counts once, however many earlier turns it crosses.
+/// Not loops: anything shorter around than half of `rho`, and a path there and back whose halves cross.
 pub fn loops(points: &[Vec2], rho: f32) -> Vec<Loop> {
     let path = Path::of(points, rho);
     let mut found: Vec<Loop> = vec![];
-    // The step that closed the last loop; how far the hand had turned when the first of loops that share their ground was closed,
-    // and how many these are.
+    // The step that closed the last loop; the turn at which the first of overlapping loops was closed, and the number
+    // of these.
     let (mut last, mut base, mut shared) = (0, 0.0, 0.0);
     for j in 2..path.steps() {
         let turned = path.turned[j] - base;
-        // Again over the same ground only after another turn; where the path is new, at once.
+        // Over the same ground, a loop counts only after another full turn; over new ground, at once.
         let again = !found.is_empty() && turned.abs() >= TAU * shared - NEARLY;
         let least = if again { 0 } else { last };
         let closed = path.crossings(least, j).find_map(|(i, at)| {
@@ -109,12 +109,12 @@ pub fn loops(points: &[Vec2], rho: f32) -> Vec<Loop> {
     found
 }
 
-/// The scribble that the stroke is; none where it turns back less than three times, or round and round rather than back and forth.
-/// Where it also leads on, its width is measured across that.
+/// The stroke as a scribble; `None` if it reverses fewer than three times, or goes around rather than back and forth.
+/// If it also advances, its width is measured across the advance.
 pub fn scribble(points: &[Vec2], rho: f32) -> Option<Scribble> {
     let turns = reversals(points, rho);
     let swings: Vec<(f32, f32)> = turns.windows(2).map(|t| bulge(&points[t[0]..=t[1]])).collect();
-    // Back over the way there, whichever way it bends, the areas of two swings cancel; of half circles they add up.
+    // For a path back over itself, however it bends, the areas of two swings cancel; those of half circles add up.
     let (area, square) = swings.windows(2).fold((0.0, 0.0), |(area, square), w| {
         (area + (w[0].0 + w[1].0).abs(), square + w[0].1 + w[1].1)
     });
@@ -126,36 +126,37 @@ pub fn scribble(points: &[Vec2], rho: f32) -> Option<Scribble> {
     Some(Scribble { amplitude, reversals: turns.len() as u32 })
 }
 
-/// How straight the stroke is; all 0 for one that stays where it is.
+/// Straightness of the stroke; all 0 if it does not move.
 pub fn straightness(points: &[Vec2], rho: f32) -> Straightness {
     let (Some(&first), Some(&last)) = (points.first(), points.last()) else {
         return Straightness::default();
     };
     let path = Path::of(points, rho);
-    // What the last whole step leaves over counts too.
+    // The remainder after the last whole step counts as well.
     let over = path.points.last().map_or(0.0, |p| p.distance(last));
     let (chord, length) =
         (first.distance(last), path.length.last().map_or(0.0, |whole| whole + over));
     let along = (last - first).normalize_or_zero();
-    // A point beyond an end is as far as it is from that end.
+    // A point past an end is as far away as it is from that end.
     let off = |p: &Vec2| (*p - first).distance(along * along.dot(*p - first).clamp(0.0, chord));
     let bow = path.points.iter().map(off).fold(0.0, f32::max);
     Straightness { chord, chord_by_length: if length > 0.0 { chord / length } else { 0.0 }, bow }
 }
 
-/// A circle is full here, radians.
+/// A circle counts as full at this turn, radians.
 const FULL: f32 = TAU * 330.0 / 360.0;
-/// How much earlier than a full turn the next loop over the same ground may be closed, radians.
+/// How much earlier than a full turn the next loop over the same ground may close, radians.
 const NEARLY: f32 = PI / 3.0;
-/// The least way around a loop, in `rho`.
+/// Shortest circumference of a loop, in `rho`.
 const LEAST_LOOP: f32 = 0.5;
-/// The least [`Path::roundness`] of circles and loops: that of an ellipse of 1 to 5.
+/// Smallest [`Path::roundness`] of circles and loops: that of an ellipse of 1 to 5.
 const ROUND: f32 = 0.45;
-/// The most area that two swings of a scribble enclose, by the squares of their chords: that of an ellipse of 3 to 8.
+/// Largest area enclosed by two swings of a scribble, relative to the squares of their chords: that of an ellipse of 3
+/// to 8.
 const FLAT: f32 = 0.15;
 /// Swings shorter than this are tremor, in `rho`.
 const LEAST_SWING: f32 = 0.15;
-/// A stroke turns back where it comes back by this share of the way there.
+/// A stroke reverses where it comes back by this fraction of its way.
 const BACK: f32 = 0.125;
 /// Coming back by less than this is tremor, in `rho`.
 const LEAST_RETURN: f32 = 0.12;
@@ -163,17 +164,17 @@ const LEAST_RETURN: f32 = 0.12;
 /// A stroke in even steps without its tremor.
 struct Path {
     points: Vec<Vec2>,
-    /// At each point, pixels from the first.
+    /// Arc length at each point, pixels.
     length: Vec<f32>,
-    /// Of each step, radians from the first on, clockwise.
+    /// Turn of each step relative to the first, radians, clockwise.
     turned: Vec<f32>,
-    /// At each point, twice the area swept about the first; 64 bits, for small loops lie far out too.
+    /// Twice the area swept about the first point; 64 bits, since small loops may be far out.
     swept: Vec<f64>,
-    /// A box around each [`RUN`] steps.
+    /// Bounding box of each [`RUN`] steps.
     boxes: Vec<(Vec2, Vec2)>,
 }
 
-/// Steps of one box.
+/// Steps per box.
 const RUN: usize = 16;
 
 impl Path {
@@ -202,7 +203,7 @@ impl Path {
             length += step.length();
             let [a, b] = [w[0], w[1]].map(|p| (p - path.points[0]).as_dvec2());
             swept += a.perp_dot(b);
-            // Straight back is neither way round.
+            // Straight back has no direction of rotation.
             let aside = ahead.perp_dot(step);
             turned += if aside == 0.0 { 0.0 } else { atan2(aside, ahead.dot(step)) };
             path.turned.push(turned);
@@ -218,13 +219,14 @@ impl Path {
         self.points.len().saturating_sub(1)
     }
 
-    /// The box around the steps from one to before another.
+    /// Bounding box of a half-open range of steps.
     fn around(&self, first: usize, end: usize) -> (Vec2, Vec2) {
         let steps = &self.points[first..=end.min(self.steps())];
         steps.iter().fold((Vec2::MAX, Vec2::MIN), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
     }
 
-    /// Steps from `least` on that step `j` crosses, and where, the latest first; not the one right before it.
+    /// Earlier steps from `least` on that step `j` crosses, and the positions, latest first; not the one right before
+    /// it.
     fn crossings(&self, least: usize, j: usize) -> impl Iterator<Item = (usize, Vec2)> {
         let (lo, hi) = self.around(j, j + 1);
         let near = move |run: &usize| {
@@ -237,8 +239,8 @@ impl Path {
             .filter_map(move |i| Some((i, self.crossing(i, j)?)))
     }
 
-    /// Where one step crosses another. A step owns the side on which nothing is left of it, so that a stroke through the end of a
-    /// step crosses once.
+    /// Where one step crosses another. A step owns the side with nothing to its left, so that a stroke through the end
+    /// of a step crosses once.
     fn crossing(&self, i: usize, j: usize) -> Option<Vec2> {
         let [a, b, c, d] = [i, i + 1, j, j + 1].map(|k| self.points[k]);
         let (first, second) = (b - a, d - c);
@@ -250,8 +252,8 @@ impl Path {
             .then(|| a + first * ((c - a).perp_dot(second) / slope))
     }
 
-    /// The area that the stroke encloses between a place `at` of step `i` and about step `j`, by that of as many circles as it
-    /// turns there with the same way around: 1 for circles, positive clockwise.
+    /// The area that the stroke encloses between position `at` on step `i` and its return near step `j`, relative to
+    /// that of circles with the same turns and circumference: 1 for circles, positive clockwise.
     fn roundness(&self, i: usize, j: usize, at: Vec2) -> f32 {
         let [a, b, at] =
             [self.points[i + 1], self.points[j], at].map(|p| (p - self.points[0]).as_dvec2());
@@ -263,8 +265,8 @@ impl Path {
     }
 }
 
-/// Points a step apart along a stroke, from its first, no more than `most`, and whether these were enough. A stroke that
-/// stays within a step of its first point has no second.
+/// Points at a constant distance along a stroke, starting at its first, at most `most`, and whether these were enough.
+/// A stroke within one step of its first point has no second.
 fn stepped(points: &[Vec2], step: f32, most: usize) -> (Vec<Vec2>, bool) {
     let Some(&first) = points.first() else { return (vec![], true) };
     let mut even = vec![first];
@@ -273,12 +275,12 @@ fn stepped(points: &[Vec2], step: f32, most: usize) -> (Vec<Vec2>, bool) {
     }
     let (mut last, mut from) = (first, first);
     for &to in points {
-        // The place ahead where the way leaves the circle of one step about the last point.
+        // The position ahead where the path leaves the circle of one step around the last point.
         while to.distance(last) >= step {
             let (way, off) = (to - from, from - last);
             let (a, b, c) = (way.dot(way), off.dot(way), off.dot(off) - step * step);
             let root = (b * b - a * c).max(0.0).sqrt();
-            // The form of the root that takes no difference of near numbers.
+            // The form of the root without cancellation.
             let share = if b > 0.0 { -c / (b + root) } else { (root - b) / a };
             last = from + way * share.clamp(0.0, 1.0);
             from = last;
@@ -292,7 +294,7 @@ fn stepped(points: &[Vec2], step: f32, most: usize) -> (Vec<Vec2>, bool) {
     (even, true)
 }
 
-/// The points at which a stroke turns back: the farthest from the one before, where it then comes back by an eighth.
+/// The points where a stroke reverses: the farthest from the previous one, if it then comes back by an eighth.
 fn reversals(points: &[Vec2], rho: f32) -> Vec<usize> {
     let (mut turns, mut start, mut far) = (vec![], 0, 0);
     for (i, &p) in points.iter().enumerate() {
@@ -300,7 +302,7 @@ fn reversals(points: &[Vec2], rho: f32) -> Vec<usize> {
         let reach = swing.length();
         let gone = p - points[start];
         let sure = reach >= rho * LEAST_SWING;
-        // On along its own line, not away from its start: a sharp zigzag that leads on gets away all the time.
+        // Progress along its own line, not distance from its start: a sharp zigzag that advances keeps moving away.
         if if sure { gone.dot(swing) >= reach * reach } else { gone.length() >= reach } {
             far = i;
         } else if sure
@@ -313,7 +315,7 @@ fn reversals(points: &[Vec2], rho: f32) -> Vec<usize> {
     turns
 }
 
-/// The area between a part of a stroke and its chord, clockwise, and the square of the chord.
+/// The area between a part of a stroke and its chord, clockwise, and the squared chord.
 fn bulge(points: &[Vec2]) -> (f32, f32) {
     let first = points[0];
     let area = points.windows(2).map(|w| (w[0] - first).perp_dot(w[1] - first) * 0.5).sum();

@@ -1,10 +1,10 @@
-//! Twist: each loop of a stroke turns the cross-section of a cluster by 15 degrees from the CV nearest to it on (the paper's 4.5).
+//! Twist: each loop of a stroke twists a cluster by 15 degrees from the CV nearest to the loop on (the paper's 4.5).
 
 use super::hand::{Hand, Sketch, off_line};
 use super::stroke_shape::{Loop, loops};
 use glam::Vec2;
 
-/// Turn of one loop, degrees.
+/// Twist per loop, degrees.
 pub(super) const TURN: f32 = 15.0;
 pub(super) fn twist(hand: &Hand, sketch: &mut Sketch) {
     let loops = loops(&hand.line(), hand.set.rho);

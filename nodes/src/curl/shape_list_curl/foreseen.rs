@@ -1,18 +1,18 @@
-//! How many points curls will have at the least, from sizes and lengths alone: nothing is drawn and nothing wound.
+//! Lower bound for the points of curls, from sizes and lengths alone: nothing is drawn or wound.
 //!
-//! Guarantees: no fewer points are made, but of hair that is left out or kept straight beside a parting. Not promised: that it is
-//! nearly as many. Turns are taken as large as they may come, and as few points on each as there may be.
+//! Guarantees: no fewer points are made, except for hair that is dropped or kept straight beside a parting. Not
+//! promised: a tight bound. Turns are assumed as large as possible, with as few points each as possible.
 
 use super::{Inputs, Keep, Numbers, Pattern};
 use crate::data::attributes::FIBRE;
 use crate::define::NodeError;
 use crate::eval::Size;
 
-/// Points on a turn are no fewer, wherever chords cut its corners (winding.rs: eight wanted).
+/// Fewest points on a turn, where chords cut its corners (winding.rs: eight requested).
 const ON_A_TURN: f32 = 6.5;
-/// Of a hair that gets as many points as it may have no more is left unused.
+/// Fraction of its allowed points that a hair at the limit uses at least.
 const USED: f32 = 0.8;
-/// Places along a hair at which sizes are asked.
+/// Samples along a hair at which sizes are evaluated.
 const PLACES: usize = 8;
 
 pub(super) fn foreseen(
@@ -61,7 +61,7 @@ pub(super) fn foreseen(
                 (Keep::Fibre, given) if given > 0.0 => on_curl(given).min(span),
                 (Keep::Fibre, _) => on_curl(span),
             };
-            // The turn that a hair ends on may hardly have begun.
+            // The turn that a hair ends on may have barely begun.
             let turns = (reach / pitch.max(1e-6) - 1.0).max(0.0);
             let wanted = (turns * ON_A_TURN).min(most).max(2.0);
             points += if wanted.is_finite() { f64::from(wanted) } else { 2.0 };
@@ -70,7 +70,7 @@ pub(super) fn foreseen(
     Ok(Size::of(&[("points on the turns of all hairs, at least", points)]))
 }
 
-/// From point to point, cm: no curve through them is shorter.
+/// Length from point to point, cm: no curve through them is shorter.
 fn length(cvs: &[glam::Vec3]) -> f32 {
     cvs.windows(2).map(|w| w[0].distance(w[1])).sum()
 }

@@ -1,22 +1,22 @@
-//! The dabs of all strokes by where they lie in space.
+//! The dabs of all strokes, indexed by position in space.
 //!
-//! Guarantees: every piece of a stroke that reaches a point is listed where the point lies, in the order of strokes. Not
-//! promised: that all that is listed reaches it.
+//! Guarantees: every segment of a stroke that reaches a point is listed at that point, in the order of strokes. Not
+//! promised: that every listed segment reaches it.
 
 use super::Dab;
 use crate::define::NodeError;
 use glam::Vec3;
 
-/// What lies between two samples of a stroke.
+/// The segment between two samples of a stroke.
 pub(super) struct Piece {
     pub(super) ends: [Dab; 2],
-    /// How far it acts, cm.
+    /// Distance up to which it acts, cm.
     pub(super) reach: f32,
-    /// Number of its stroke.
+    /// Index of its stroke.
     pub(super) layer: u32,
-    /// 0, or 1 for the twin on the other side.
+    /// 0, or 1 for the mirror image.
     pub(super) half: u8,
-    /// From one end to the other, and that by its square.
+    /// Vector from one end to the other, and the same divided by its squared length.
     along: Vec3,
     per_square: Vec3,
 }
@@ -29,7 +29,7 @@ impl Piece {
         Self { ends, reach, layer, half, along, per_square }
     }
 
-    /// The square of how far a point is, cm, and where along the piece the nearest place is, 0 to 1.
+    /// Squared distance of a point, cm2, and the fraction along the segment of the closest position, 0 to 1.
     #[inline]
     pub(super) fn square(&self, p: Vec3) -> (f32, f32) {
         let to = p - self.ends[0].point;
@@ -46,13 +46,13 @@ fn between(a: Vec3, b: Vec3, p: Vec3) -> (f32, f32) {
     ((to - along * t).length(), t)
 }
 
-/// A grid over the pieces in space.
+/// A grid over the segments in space.
 pub(super) struct Dabs {
     pieces: Vec<Piece>,
     low: Vec3,
     side: f32,
     size: [usize; 3],
-    /// Where each cell's pieces start in `listed`.
+    /// Start of each cell's segments in `listed`.
     starts: Vec<u32>,
     listed: Vec<u32>,
 }
@@ -61,11 +61,11 @@ pub(super) struct Dabs {
 const SIDE: f32 = 0.5;
 /// The most cells along an axis.
 const MOST: f32 = 96.0;
-/// The most entries of all cells together; where there would be more, cells are larger.
+/// The most entries of all cells together; cells are enlarged to stay below it.
 const MOST_LISTED: f64 = 16e6;
 
 impl Dabs {
-    /// `bounds` are those of the skin, where all points lie that are asked for.
+    /// `bounds` are those of the skin, which contain all queried points.
     pub(super) fn new(
         pieces: Vec<Piece>,
         (low, high): (Vec3, Vec3),
@@ -124,17 +124,17 @@ impl Dabs {
                 next[at] += 1;
             });
         }
-        // Pieces come in the order of strokes, and so they stand in each cell.
+        // Segments arrive in the order of strokes, and stay so in each cell.
         (dabs.starts, dabs.listed) = (starts, listed);
         Ok(dabs)
     }
 
-    /// The cells that a piece reaches; `seen` keeps the last piece that came to each.
+    /// The cells that a segment reaches; `seen` holds the last segment that visited each.
     fn cells(&self, number: u32, seen: &mut [u32], mut each: impl FnMut(usize)) {
         let piece = &self.pieces[number as usize];
         let [a, b] = piece.ends.map(|dab| dab.point);
         let steps = (a.distance(b) / (2.0 * self.side)).ceil().clamp(1.0, 4.0 * MOST) as usize;
-        // As far as a corner of a cell is from its middle.
+        // Distance from the centre of a cell to its corner.
         let near = piece.reach + 0.8661 * self.side;
         for step in 0..steps {
             let [from, to] = [step, step + 1].map(|k| a.lerp(b, k as f32 / steps as f32));
@@ -168,7 +168,7 @@ impl Dabs {
         (x * self.size[1] + y) * self.size[2] + z
     }
 
-    /// Numbers of the pieces that may reach a point of the skin.
+    /// Indices of the segments that may reach a point of the skin.
     #[inline]
     pub(super) fn near(&self, p: Vec3) -> &[u32] {
         if self.listed.is_empty() {
@@ -183,7 +183,7 @@ impl Dabs {
         &self.pieces[number as usize]
     }
 
-    /// The pieces of a stroke.
+    /// The segments of a stroke.
     pub(super) fn of(&self, layer: u32) -> &[Piece] {
         let from = self.pieces.partition_point(|piece| piece.layer < layer);
         let to = self.pieces.partition_point(|piece| piece.layer <= layer);

@@ -1,9 +1,9 @@
-//! What a smooth stroke brings a mask to: the mean about each place of what the strokes before have made.
+//! What a smooth stroke blends a mask toward: the local mean of the result of all earlier strokes.
 //!
-//! Means of means would cost more with each stroke, so they are taken once, at places a quarter of the radius apart, and lie
-//! between these in between.
+//! Means of means would cost more with each stroke, so they are computed once, on a grid with a spacing of a quarter of
+//! the radius, and interpolated in between.
 //!
-//! Guarantees: within the least and the greatest of what is about; where all is equal it stays so.
+//! Guarantees: results stay within the minimum and maximum of the neighbourhood; constant areas stay constant.
 
 use super::Painted;
 use crate::data::scalp::Root;
@@ -12,26 +12,26 @@ use crate::maths::frame::any_normal;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
-/// Means at places in a grid, as far as a stroke reaches.
+/// Means on a grid, as far as a stroke reaches.
 #[derive(Default)]
 pub struct Even {
     low: Vec3,
     side: f32,
-    /// By place in the grid, sorted.
+    /// By grid position, sorted.
     means: Vec<([i32; 3], f32)>,
 }
 
-/// Sides of the grid in a radius.
+/// Grid cells per radius.
 const FINE: f32 = 4.0;
-/// As far as means reach, in radii.
+/// Radius of the neighbourhood, as a fraction of the brush radius.
 const ABOUT: f32 = 0.5;
-/// A longer way, in sides of the grid, makes the grid coarser.
+/// A longer path, in grid cells, makes the grid coarser.
 const LONGEST: f64 = 6_000.0;
-/// Corners farther from the skin than this many sides are of no cell with skin in it.
+/// Corners farther from the skin than this many cells belong to no cell with skin in it.
 const OFF: f32 = 1.7321;
 
 impl Even {
-    /// What stroke number `layer` brings the mask to.
+    /// What stroke `layer` blends the mask toward.
     pub(super) fn new(
         painted: &Painted,
         layer: u32,
@@ -116,7 +116,7 @@ impl Even {
         Ok(Self { low, side, means })
     }
 
-    /// The mean at a place of the skin; none where it is not known.
+    /// The mean at a point of the skin; `None` if unknown.
     pub(super) fn at(&self, p: Vec3) -> Option<f32> {
         if self.means.is_empty() {
             return None;
@@ -144,10 +144,10 @@ impl Even {
     }
 }
 
-/// So many places make a mean.
+/// Samples per mean.
 const PLACES: usize = 13;
 
-/// A place and twelve about it, in the plane of the skin.
+/// A point and twelve others around it, in the tangent plane of the skin.
 fn about(root: &Root, far: f32, mut each: impl FnMut(Vec3)) {
     each(root.point);
     let right = any_normal(root.normal);

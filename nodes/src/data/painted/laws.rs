@@ -23,7 +23,7 @@ fn made(id: &str, set: &[(&str, Value)]) -> (Arc<Scalp>, Vec<String>) {
     }
 }
 
-/// The scanned head; none where it is not on this machine.
+/// The scanned head; `None` if this machine does not have it.
 fn scanned() -> Option<Arc<Scalp>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/lps_head/LeePerrySmith.glb");
     let bytes = std::fs::read(path).ok()?.into();
@@ -32,7 +32,7 @@ fn scanned() -> Option<Arc<Scalp>> {
     Some(made("head", &[("mesh", Value::File(Arc::new(file)))]).0)
 }
 
-/// A stroke through directions of the head's frame, where they leave the built-in head, at full pressure.
+/// A stroke through directions of the head frame, where they leave the built-in head, at full pressure.
 fn stroke(id: u64, ways: &[[f32; 3]], brush: Brush) -> Stroke {
     let scalp = head();
     let frame = scalp.frame();
@@ -69,7 +69,7 @@ fn painted(scalp: &Arc<Scalp>, strokes: &[Stroke]) -> Arc<Painted> {
     }
 }
 
-/// The value where a direction of the head's frame leaves the head.
+/// The value where a direction of the head frame leaves the head.
 fn at(painted: &Painted, way: [f32; 3]) -> f32 {
     let (scalp, frame) = (painted.scalp(), painted.scalp().frame());
     let out = frame.vector_from_head(Vec3::from(way).normalize());
@@ -81,7 +81,7 @@ const CROWN: [f32; 3] = [0.0, 1.0, 0.0];
 /// 2 cm from the crown to the left: 8.9 cm x 0.225 rad.
 const BESIDE: [f32; 3] = [0.229, 1.0, 0.0];
 
-/// A random stroke of some dabs over the upper head.
+/// A random stroke with a few dabs over the upper head.
 fn any_stroke(id: u64) -> Stroke {
     let dice = Dice::new(id, 0, "any stroke");
     let mut way = Vec3::new(dice.signed(0, 0), dice.unit(0, 1) + 0.2, dice.signed(0, 2));
@@ -109,15 +109,15 @@ fn any_stroke(id: u64) -> Stroke {
 
 #[test]
 fn a_dab_is_full_in_its_middle_half_way_out_and_nothing_beyond_its_radius() {
-    // On the crown, which is 8.9 cm about the centre: 1 cm from the middle of a dab of 2 cm smoothstep(0.5) = 0.5, and at full
-    // pressure and half strength the middle is 0.5.
+    // At the crown, which is 8.9 cm from the centre: 1 cm from the middle of a dab of 2 cm, smoothstep(0.5) = 0.5; at
+    // full pressure and half strength, the middle is 0.5.
     let ball = crate::data::scalp::tests::shared_ball();
     let sample = Sample { position: Vec3::Y * 8.9, pressure: 1.0, ..Sample::default() };
     let one = |brush| Stroke { brush: Some(brush), ..Stroke::new(1, vec![sample]) };
     let check = |set: &[(&str, Value)], brush: Brush, ways: [f32; 4], wanted: [f32; 4]| {
         let (field, _) = mask(&ball, &[one(brush)], set);
         let Field::Painted(painted) = &*field else { panic!() };
-        // By the chord: sin of half the angle is half the chord by 8.9.
+        // By the chord: the sine of half the angle is half the chord over 8.9.
         let way = |chord: f32| {
             let half = crate::maths::transcendental::asin(0.5 * chord / 8.9);
             let (sin, cos) = crate::maths::transcendental::sin_cos(2.0 * half);
@@ -154,17 +154,17 @@ fn strokes_count_in_their_order_and_a_pass_that_covers_itself_counts_once() {
     let paint = |id, strength| stroke(id, &[CROWN], brush(Mode::Paint, 2.0, strength));
     let erase = |id, strength| stroke(id, &[CROWN], brush(Mode::Erase, 2.0, strength));
     check(&[paint(1, 1.0)], CROWN, 1.0);
-    // Half and half of what is left: 0.75; of that a quarter is erased: 0.5625.
+    // A half, and half of the rest: 0.75; a quarter of that is erased: 0.5625.
     check(&[paint(1, 0.5), paint(2, 0.5)], CROWN, 0.75);
     check(&[paint(1, 0.5), paint(2, 0.5), erase(3, 0.25)], CROWN, 0.5625);
     check(&[paint(1, 1.0), erase(2, 1.0)], CROWN, 0.0);
     check(&[erase(1, 1.0), paint(2, 1.0)], CROWN, 1.0);
     let to_and_fro = [CROWN, BESIDE, CROWN, BESIDE];
     check(&[stroke(1, &to_and_fro, brush(Mode::Paint, 1.0, 0.5))], CROWN, 0.5);
-    // Samples 2 cm apart of a brush of 0.6 cm leave no gap.
+    // Samples 2 cm apart with a brush of 0.6 cm leave no gap.
     let line = stroke(1, &[CROWN, BESIDE], brush(Mode::Paint, 0.6, 1.0));
     assert!(at(&painted(&head(), &[line]), [0.115, 1.0, 0.0]) > 0.9);
-    // A flood sets, whatever was there.
+    // A flood sets the value, whatever was there.
     let flood = |id, value| stroke(id, &[CROWN], brush(Mode::Flood, 1.0, value));
     check(&[paint(1, 1.0), flood(2, 0.25)], CROWN, 0.25);
     check(&[flood(1, 0.25)], [0.0, -0.2, 1.0], 0.25);
@@ -181,7 +181,7 @@ fn erasing_takes_all_paint_away_and_values_stay_between_0_and_1() {
         let mut strokes: Vec<Stroke> = (1..8).map(|k| any_stroke(round * 100 + k)).collect();
         let values = painted(&scalp, &strokes).on(&places).unwrap();
         assert!(values.iter().all(|x| (0.0..=1.0).contains(x)), "round {round}");
-        // A place that no stroke has changed is as it was.
+        // A point that no stroke changed keeps its value.
         let again: Vec<f32> = painted(&scalp, &strokes).on(&places).unwrap();
         assert_eq!(values, again);
         for (id, way) in (9000..)
@@ -214,7 +214,7 @@ fn a_mirrored_stroke_paints_both_sides_alike() {
         covered += u32::from(at(&both, way) > 0.5);
         assert_eq!(at(&own, twin), 0.0, "{way:?}");
     }
-    // The built-in head is the same on both sides but for its triangles.
+    // Both sides of the built-in head are the same except for their triangles.
     assert!(covered > 20 && off < 0.03, "{covered} {off}");
 }
 
@@ -248,12 +248,12 @@ fn sections_keep_strokes_and_floods_to_themselves() {
             );
         }
     }
-    // Where there is no such section the stroke does nothing, and the node says so.
+    // Without such a section the stroke has no effect, and the node says so.
     let (field, said) = mask(&head(), &[stroke(1, &[front], within("front", Mode::Flood))], &[]);
     let Field::Painted(on) = &*field else { panic!() };
     assert_eq!(at(on, front), 0.0);
     assert!(said[0].contains("\"front\"") && said[0].contains("not parted"), "{said:?}");
-    // Partings that no stroke asks for are no part of the mask.
+    // Partings that no stroke uses do not affect the mask.
     let free = [stroke(1, &[front], brush(Mode::Paint, 2.0, 1.0))];
     let other = parts(3, &[]);
     assert_eq!(mask(&parted, &free, &[]).0.bytes(), mask(&other, &free, &[]).0.bytes());
@@ -262,7 +262,7 @@ fn sections_keep_strokes_and_floods_to_themselves() {
     assert_ne!(painted(&parted, &kept).key(), painted(&other, &kept).key());
 }
 
-/// A ring about the crown, so many degrees from it.
+/// A ring around the crown, this many degrees from it.
 fn ring(degrees: f32) -> Vec<[f32; 3]> {
     let (out, up) = crate::maths::transcendental::sin_cos(degrees.to_radians());
     let way = |k: u32| {
@@ -284,7 +284,8 @@ fn a_closed_stroke_is_its_smaller_inside_with_an_edge_in_millimetres() {
         let brush = Brush { closed: true, ..brush(mode, 0.1, 1.0) };
         Stroke { brush: Some(brush), ..Stroke::new(1, ways.iter().map(sample).collect()) }
     };
-    // Whichever way it is drawn, and wherever its smaller side is: 80 degrees from the crown are less than half, 100 are more.
+    // In either direction, and wherever its smaller side is: 80 degrees from the crown are less than half, 100 are
+    // more.
     for backwards in [false, true] {
         for (degrees, crown) in [(20.0, 1.0), (80.0, 1.0), (100.0, 0.0), (160.0, 0.0)] {
             let mut ways = ring(degrees);
@@ -304,7 +305,8 @@ fn a_closed_stroke_is_its_smaller_inside_with_an_edge_in_millimetres() {
             }
         }
     }
-    // An edge of 3 mm: 0 and 1 1.5 mm from the line (0.966 degrees), a half on it. The chords of the ring lie up to 0.2 mm inside.
+    // An edge of 3 mm: 0 and 1 at 1.5 mm from the line (0.966 degrees), a half on it. The chords of the ring lie up to
+    // 0.2 mm inside.
     let on = painted(&ball, &[on_ball(&ring(60.0), Mode::Paint)]);
     let edge = |degrees: f32| {
         let (out, up) = crate::maths::transcendental::sin_cos(degrees.to_radians());
@@ -319,7 +321,7 @@ fn a_closed_stroke_is_its_smaller_inside_with_an_edge_in_millimetres() {
     assert_eq!((at(&holed, CROWN), at(&holed, [1.0, 0.0, 0.0])), (0.0, 1.0));
 }
 
-/// The whole of a head's mask, cm2, and how far from a point it reaches, cm, looked at some 14 times in a length.
+/// The total value of a head's mask, cm2, and its largest distance from a point, cm, sampled about 14 times per length.
 fn painted_skin(on: &Painted, middle: Vec3, length: f32) -> (f32, f32) {
     let surface = on.scalp().surface();
     let (mut sum, mut farthest) = (0.0f64, 0.0f32);
@@ -342,7 +344,7 @@ fn painted_skin(on: &Painted, middle: Vec3, length: f32) -> (f32, f32) {
 fn a_closed_stroke_paints_what_it_encloses_and_no_skin_that_lies_behind() {
     let check = |set: &[(&str, Value)], near: Vec3, radius: f32| {
         let scalp = crate::testing::head(set);
-        // On heads in head units, on animals as a part of their box.
+        // On heads in head units, on animals as a fraction of their bounding box.
         let (low, high) = scalp.surface().bounds();
         let near = match set {
             [] => scalp.frame().point_from_head(near),
@@ -360,11 +362,11 @@ fn a_closed_stroke_paints_what_it_encloses_and_no_skin_that_lies_behind() {
         assert!((inside / wide - 1.0).abs() < 0.02, "{inside} cm2 of {wide}");
         assert!(farthest < 1.006 * radius, "{farthest} of {radius}");
     };
-    // The side of the jaw, round one eye, and over the crown.
+    // The side of the jaw, around one eye, and over the crown.
     check(&[], Vec3::new(6.0, -6.0, 4.0), 2.2);
     check(&[], Vec3::new(3.2, 0.0, 8.5), 1.7);
     check(&[], Vec3::new(0.0, 9.0, 0.0), 6.0);
-    // The flank and the belly of a rat, whose paws lie behind them, and the side of a cow.
+    // The flank and the belly of a rat, with its paws behind them, and the side of a cow.
     for (name, near, radius) in [
         ("rat/street_rat_4k.gltf", Vec3::new(0.5, 0.25, 0.55), 0.6),
         ("rat/street_rat_4k.gltf", Vec3::new(0.5, 0.0, 0.55), 0.6),
@@ -421,7 +423,7 @@ fn smoothing_over_a_closed_line_evens_it_out() {
     };
     let smooth = stroke(2, &[beside(25.0)], brush(Mode::Smooth, 2.0, 1.0));
     let on = painted(&head(), &[line, smooth]);
-    // 3 degrees are about half a centimetre, beyond the line's own edge of 1.5 mm.
+    // 3 degrees are about half a centimetre, outside the line's own edge of 1.5 mm.
     let (inside, outside) = (at(&on, beside(22.0)), at(&on, beside(28.0)));
     assert!((0.5..0.95).contains(&inside) && (0.05..0.5).contains(&outside), "{inside} {outside}");
     assert_eq!((at(&on, CROWN), at(&on, beside(45.0))), (1.0, 0.0));
@@ -435,14 +437,14 @@ fn smoothing_evens_out_what_differs_and_leaves_what_does_not() {
     let value = |strokes: &[Stroke], way| at(&painted(&head(), strokes), way);
     let near = [0.11, 1.0, 0.0];
     let (one, two) = ([dab.clone(), smooth(2)], [dab.clone(), smooth(2), smooth(3)]);
-    // The peak sinks, its foot rises, again and again.
+    // The peak sinks and its foot rises, again and again.
     assert!(value(&one, CROWN) < 0.7 && value(&one, CROWN) > 0.1, "{}", value(&one, CROWN));
     assert!(value(&two, CROWN) < value(&one, CROWN));
     assert!(value(&one, near) > value(std::slice::from_ref(&dab), near));
     for way in [CROWN, near, [0.3, 1.0, 0.1]] {
         assert!((value(&[flood.clone(), smooth(2)], way) - 0.6).abs() < 1e-5);
     }
-    // What comes before a stroke is its own: painting after it is not smoothed.
+    // A smooth stroke covers only earlier strokes: later painting is not smoothed.
     assert_eq!(value(&[smooth(2), dab.clone()], CROWN), value(&[dab], CROWN));
 }
 
@@ -460,7 +462,7 @@ fn a_scribble_of_thousands_of_samples_is_smoothed_too() {
 fn paint_does_not_come_through_an_ear() {
     let scalp = head();
     let (surface, frame) = (scalp.surface(), scalp.frame());
-    // From one side of what is thin to the other.
+    // From one side of a thin part to the other.
     let (mut ears, mut through) = (0, 0);
     for triangle in (0..surface.triangles.len() as u32).step_by(7) {
         let front = scalp.root(triangle, glam::Vec2::splat(1.0 / 3.0));
@@ -520,7 +522,7 @@ fn another_head_shows_the_same_picture_within_2_percent_of_the_area() {
     });
     let (here, there) = (painted(&head(), &strokes), painted(&other, &strokes));
     let (mut sum, mut differs, mut heat) = (0.0f64, 0.0f64, [0.0f64; 2]);
-    // Directions over the scalp, equal areas: heights are spread evenly.
+    // Directions over the scalp, equal areas: heights are evenly distributed.
     let count = if cfg!(debug_assertions) { 6000 } else { 40_000 };
     for k in 0..count {
         let up = 0.2 + 0.8 * (k as f32 + 0.5) / count as f32;
@@ -547,15 +549,16 @@ fn a_base_is_read_on_the_scalp_and_painted_over() {
     let (field, _) =
         mask(&head(), &[erase.clone(), smooth], &[("base", region("scalp".to_owned()))]);
     let Field::Painted(on) = &*field else { panic!() };
-    // Erased: 0 in the middle, 1 - smoothstep(0.75) = 0.156 a quarter of the radius off, 0.5 half of it: six each, 0.303 in the mean.
+    // Erased: 0 in the middle, 1 - smoothstep(0.75) = 0.156 at a quarter of the radius, 0.5 at half of it: six each,
+    // 0.303 on average.
     assert!((at(on, CROWN) - 0.303).abs() < 0.06, "{}", at(on, CROWN));
     assert_eq!((at(on, [0.0, 1.0, -0.7]), at(on, [0.0, -0.2, 1.0])), (1.0, 0.0));
-    // A painted mask is the base of another.
+    // A painted mask as the base of another.
     let paint = stroke(3, &[[0.0, -0.2, 1.0]], brush(Mode::Paint, 1.0, 1.0));
     let (field, _) = mask(&head(), &[paint], &[("base", Value::Field(field.clone()))]);
     let Field::Painted(on) = &*field else { panic!() };
     assert_eq!((at(on, [0.0, 1.0, -0.7]), at(on, [0.0, -0.2, 1.0])), (1.0, 1.0));
-    // Without strokes it is the base, and what only hair has is none.
+    // Without strokes it equals the base, and attributes of hair are not allowed.
     assert_eq!(*mask(&head(), &[], &[("base", 0.25f32.into())]).0, Field::Constant(0.25));
     let hair = ("base", Value::Field(Field::Attribute("radius".into()).into()));
     let fault = fails(crate::by_id("paint_mask").unwrap(), &[("scalp", head().into()), hair]);
@@ -572,14 +575,14 @@ fn any_field_reads_it_and_the_amount_of_hair_changes_nothing() {
         crate::testing::curves_of(&out[0]).clone()
     };
     let mask = || Value::Field(field.clone());
-    // As the mask of hair: every root lies within 3 cm of the crown, whatever the number.
+    // As the mask of hair: every root lies within 3 cm of the crown, at any count.
     let crown = scalp_point(CROWN);
     for count in [400, 800] {
         let curves = grown(count, &[("mask", mask())]);
         assert!(curves.curve_count() > 5);
         assert!(curves.each().all(|(t, i)| t.curve(i)[0].distance(crown) < 3.0));
     }
-    // As its length: longer where it is painted, to the least that a length can be.
+    // As its length: longer where it is painted, down to the smallest length elsewhere.
     let length = |t: &crate::data::curves::Tuft, i: usize| {
         t.curve(i).windows(2).map(|w| w[0].distance(w[1])).sum::<f32>()
     };
@@ -587,7 +590,7 @@ fn any_field_reads_it_and_the_amount_of_hair_changes_nothing() {
         let far = tuft.curve(i)[0].distance(crown);
         assert!(if far < 1.0 { length(tuft, i) > 0.5 } else { far < 3.0 || length(tuft, i) < 0.1 });
     }
-    // Where nothing tells the root, it is the nearest skin, and no scalp is needed.
+    // Without a root attribute, the nearest skin counts, and no scalp is needed.
     let mut b = TuftBuilder::new();
     b.push_curve(&[crown, crown + Vec3::Y]);
     b.push_curve(&[crown + Vec3::NEG_Y * 20.0, Vec3::ZERO]);

@@ -1,4 +1,4 @@
-//! Laws of `edge_partition`: where its hairs begin, end and lie, and what an edit makes anew.
+//! Laws of `edge_partition`: where its hairs begin, end and lie, and what an edit recomputes.
 
 use super::*;
 use crate::data::attributes::{ROOT_BARY, ROOT_TRIANGLE};
@@ -21,7 +21,7 @@ fn ball(radius: f32) -> Arc<Scalp> {
     on(crate::maths::closest::tests::sphere(radius, 64), radius)
 }
 
-/// One for all tests, for its distance field takes a second.
+/// Shared by all tests, since its distance field takes a second.
 fn bust() -> Arc<Scalp> {
     static BUST: std::sync::OnceLock<Arc<Scalp>> = std::sync::OnceLock::new();
     let make = || {
@@ -31,7 +31,7 @@ fn bust() -> Arc<Scalp> {
     BUST.get_or_init(make).clone()
 }
 
-/// A scanned head with its default region; none where it is not on this machine.
+/// A scanned head with its default region; `None` if this machine does not have it.
 fn scanned() -> Option<Arc<Scalp>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/lps_head/LeePerrySmith.glb");
     let bytes = std::fs::read(path).ok()?.into();
@@ -44,7 +44,7 @@ fn scanned() -> Option<Arc<Scalp>> {
     }
 }
 
-/// A row over the scalp through the directions that `way` gives for 0 to 1, `radius` cm thick, 0.1 cm off it.
+/// A row over the scalp through the directions that `way` returns for 0 to 1, `radius` cm thick, 0.1 cm off it.
 fn row(scalp: &Scalp, id: u64, radius: f32, way: impl Fn(f32) -> Vec3) -> Arc<Tuft> {
     let unit = scalp.frame().unit();
     let points: Vec<Vec3> = (0..=24)
@@ -75,7 +75,7 @@ fn rows(scalp: &Scalp, n: usize) -> Vec<Arc<Tuft>> {
         .collect()
 }
 
-/// Rows in random directions and of random thickness, as near as braids can lie.
+/// Rows in random directions and of random thickness, as close as braids can lie.
 fn wild(scalp: &Scalp, seed: u64) -> Vec<Arc<Tuft>> {
     let dice = Dice::new(seed, 0, "rows");
     let mut rows: Vec<(Arc<Tuft>, f32)> = vec![];
@@ -108,7 +108,7 @@ fn parted(scalp: &Arc<Scalp>, rows: &[Arc<Tuft>], set: &[(&str, Value)]) -> Curv
     curves_of(&out[0]).clone()
 }
 
-/// What the laws are about, at its worst.
+/// The measured quantities of the laws, at their worst.
 #[derive(Debug, Default)]
 struct Worst {
     root: f32,
@@ -229,7 +229,7 @@ fn on_a_parted_scalp_rows_mind_their_neighbours_and_their_section() {
             *of.entry(own).or_default() += 1;
             let (mine, others): (Vec<_>, Vec<_>) = lines[0].iter().partition(|l| l.id == own);
             assert!(near(&lines[1], points[0]) > sections.widest_half() - 2e-3);
-            // Rows of other sections count no more than the line that lies between.
+            // Rows of other sections matter no more than the line in between.
             let home = cut.home(points[0]).unwrap();
             for l in others.iter().filter(|l| home.holds(l.spline.at(0.5))) {
                 let far = |l: &Row| l.far(&scalp, points[0], l.nearest(points[0]).1);
@@ -260,7 +260,7 @@ fn no_hair_crosses_a_hair_of_another_row() {
     assert!(crossings(&parted(&scalp, &rows(&scalp, 6), &set)) > 100);
 }
 
-/// Pairs of segments of hairs of different rows that cross, seen from the middle of the ball.
+/// Pairs of crossing segments of hairs of different rows, seen from the centre of the ball.
 fn crossings(curves: &Curves) -> usize {
     let mut all: Vec<(u64, Vec3, Vec3)> = vec![];
     for (tuft, i) in curves.each() {
@@ -310,7 +310,7 @@ fn mediate_places_the_root_between_the_row_and_its_neighbour() {
             let own = tuft.view(PARENT).at(i, tuft.range(i).start);
             let [home, other] = [own == 1, own == 2]
                 .map(|first| lines[usize::from(!first)].nearest(tuft.curve(i)[0]).1);
-            // Rows lie 0.1 cm over the scalp, which at their foot is all of the distance.
+            // Rows lie 0.1 cm above the scalp, which is the whole distance at their foot.
             let part = home / (home + other);
             assert!((part - want).abs() < 0.06, "{mediate} {crossing}: {part}");
         }
@@ -431,7 +431,7 @@ fn editing_one_row_makes_anew_its_own_hairs_and_its_neighbours() {
     rows[3] = row(&scalp, 4, 0.4, back(0.2));
     assert_eq!(ran(&rows).0, 3);
     let (_, before) = ran(&rows);
-    // A row far off changes nobody's hairs.
+    // A distant row changes nobody's hairs.
     rows.push(row(&scalp, 99, 0.4, |t| Vec3::new(0.3 * t, -1.0, 0.3)));
     let (count, after) = ran(&rows);
     assert_eq!(count, 1);
@@ -450,7 +450,7 @@ fn wired_neighbours_are_used_instead_of_found_ones() {
         let mut count = [0, 0];
         for (tuft, i) in curves.each() {
             let side = tuft.view(SIDE).at(i, tuft.range(i).start);
-            // Rows run backwards, against +Z: their right is at +X.
+            // Rows run backward, against +Z: their right is at +X.
             let x = tuft.curve(i)[0].x;
             assert_eq!(side, if x > 0.0 { 1 } else { -1 });
             count[usize::from(side > 0)] += 1;
@@ -496,7 +496,7 @@ fn hair_is_rooted_where_hair_grows() {
         let root = scalp.closest_root(tuft.curve(i)[0]).unwrap();
         assert!(scalp.mask_at(scalp.region(), root.triangle, root.bary) >= 0.49);
     }
-    // A row where nothing grows is named.
+    // A row where nothing grows is named in a message.
     let nape = row(&scalp, 7, 0.4, |t| Vec3::new(0.1 * t, -0.5, -1.0));
     let set = [("source", Curves::new(vec![nape]).into()), ("scalp", scalp.into())];
     let (_, said) = run(&NODE, &set);

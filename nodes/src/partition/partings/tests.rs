@@ -1,4 +1,4 @@
-//! What `partings` promises: patterns, drawn lines, names, and that moving one line leaves the rest as it was.
+//! What `partings` promises: patterns, drawn lines, names, and that moving one line leaves the rest unchanged.
 
 use super::*;
 use crate::data::attributes::{ID, PARENT, PARTING, RADIUS, SECTION};
@@ -43,7 +43,7 @@ fn every_pattern_cuts_the_head_into_the_sections_that_were_asked_for() {
         assert_eq!(ids.len(), list.len(), "{what}: ids are unique");
         let mean = list.iter().map(|s| s.area).sum::<f32>() / list.len() as f32;
         let least = list.iter().map(|s| s.area).fold(f32::MAX, f32::min);
-        // The middle of rings is small, and so are cells beside the ears.
+        // The section inside rings is small, and so are cells beside the ears.
         let small = match (pattern, cells) {
             ("halo", _) => 0.05,
             (_, "whole") => 0.2,
@@ -52,7 +52,7 @@ fn every_pattern_cuts_the_head_into_the_sections_that_were_asked_for() {
         assert!(least > small * mean, "{what}: {least} where {mean} is the mean");
         assert_eq!(curves_of(&out[3]).curve_count(), list.len(), "{what}");
         assert!(curves_of(&out[2]).curve_count() + 1 >= list.len(), "{what}");
-        // But where they go on over an ear.
+        // Except where they continue over an ear.
         let lines: Vec<Vec3> =
             curves_of(&out[1]).each().flat_map(|(t, i)| t.curve(i).to_vec()).collect();
         let off = |p: &&Vec3| scalp.surface().closest(**p).unwrap().distance > 1e-3;
@@ -112,7 +112,7 @@ fn rows_that_are_drawn_already_are_parted_half_way_between_them() {
     assert_eq!(own.len(), rows.curve_count(), "each row has a section of its own");
     let known: Vec<Row> =
         rows.each().map(|(tuft, i)| Row::new(tuft.id(i), tuft.curve(i)).unwrap()).collect();
-    // Half-way but where a line is led straight on to the hairline, beyond the rows' ends.
+    // Halfway, except where a line is extended straight to the hairline past the rows' ends.
     let mut off: Vec<f32> = vec![];
     for p in lines.each().flat_map(|(tuft, i)| tuft.curve(i)) {
         let mut far: Vec<f32> = known.iter().map(|row| row.nearest(*p).1).collect();
@@ -122,7 +122,7 @@ fn rows_that_are_drawn_already_are_parted_half_way_between_them() {
     off.sort_by(f32::total_cmp);
     let (most, last) = (off[off.len() * 95 / 100], off[off.len() - 1]);
     assert!(most < 0.1 && last < 0.3, "{most} {last}");
-    // A row that has drifted still tells how far; and so does a parting that was drawn.
+    // A drifted row keeps its drift; and so does a drawn parting.
     let mut b = rows.tufts()[0].edit();
     b.set(DRIFT, Domain::Curve, vec![0.25]);
     let drifted = Curves::new(vec![Arc::new(b.build()), rows.tufts()[1].clone()]);
@@ -135,7 +135,7 @@ fn rows_that_are_drawn_already_are_parted_half_way_between_them() {
     assert_eq!(told(curves_of(&out[1])), [0.25]);
     assert_eq!(told(curves_of(&out[2])), [0.25]);
     assert!(curves_of(&out[1]).each().all(|(tuft, i)| tuft.view(PARTING).at(i, 0) != 0));
-    // What lies beside other rows stays what it is.
+    // What lies beside other rows stays the same.
     let ids = |lines: &Curves| -> std::collections::BTreeSet<u64> {
         lines.each().map(|(tuft, i)| tuft.id(i)).collect()
     };
@@ -191,7 +191,7 @@ fn a_parting_takes_the_guides_that_are_rooted_in_it_and_no_others() {
     };
     let whole = on(&head());
     assert_eq!(whole.len(), 800);
-    // Three lines of some 20 x 0.3 cm are a thirtieth of the scalp's 600 cm2.
+    // Three lines of about 20 x 0.3 cm are a thirtieth of the scalp's 600 cm2.
     for scalp in [rows(0.0), rows(4.0)] {
         let parted = on(&scalp);
         for (id, root) in &whole {
@@ -247,7 +247,7 @@ fn hair_keeps_to_its_section_and_off_the_partings() {
     let (scalp, number) = (scalp_of(&out[0]), Value::Int(400));
     let guides = crate::by_id("scatter_guides").unwrap();
     let (grown, _) = run(guides, &[("scalp", scalp.clone().into()), ("count", number)]);
-    // A guide says by its width which section it stands in.
+    // The width of a guide shows which section it stands in.
     let sections = scalp.sections().unwrap();
     let hair = crate::by_id("interpolate").unwrap();
     let set = [
@@ -300,7 +300,7 @@ fn hair_drawn_to_the_middle_of_its_box_crosses_no_parting() {
         let on_skin = |p: &Vec3| scalp.surface().closest(*p).unwrap().point;
         let way: Vec<Vec3> = points.iter().map(on_skin).collect();
         let home = sections.id_at(points[0]);
-        // Where no hair grows, as behind an ear, is no other section.
+        // Where no hair grows, as behind an ear, is not another section.
         let elsewhere = |p: &Vec3| sections.id_at(*p).is_some_and(|id| Some(id) != home);
         let passes = sections.is_over_line(points);
         let strays = passes || way[1..].iter().any(elsewhere);
@@ -374,7 +374,7 @@ fn a_parting_that_ends_in_hair_parts_the_hair_beside_it_and_curls_keep_off_it() 
     let (curled, free) = (curl(&hair, &scalp), curl(&hair, &whole));
     let (kept, crossing) = (over(curves_of(&curled)), over(curves_of(&free)));
     assert!(kept == 0 && crossing > 10, "{kept} of {crossing}");
-    // What would lead over none is the same.
+    // Hair that would cross no line is unchanged.
     let (curled, free) = (curves_of(&curled), curves_of(&free));
     assert_eq!(curled.curve_count(), n);
     let changed = curled.each().zip(free.each());
@@ -415,7 +415,7 @@ fn hair_that_hangs_from_its_box_gathers_before_it_leaves_it() {
             .filter(|(tuft, i)| over(tuft.curve(*i)))
             .count();
         assert_eq!(crossing, 0, "{cells}");
-        // What is left out is told with its number.
+        // The number of dropped hairs is reported.
         let told = said.iter().find(|line| line.contains("left out")).map_or(0.0, |line| {
             let number = line.split_once(" (").map(|(_, rest)| rest.split(' ').next());
             number.flatten().and_then(|n| n.parse().ok()).unwrap_or(f32::NAN)
@@ -431,7 +431,7 @@ fn hair_that_hangs_from_its_box_gathers_before_it_leaves_it() {
 fn one_closed_line_cuts_an_animal_in_two_sections_with_their_names() {
     use crate::data::outline::for_middles;
     let animal = [("fit", Value::from("none"))];
-    // The belly of the one and the flank of the other, as parts of their boxes.
+    // The belly of one and the flank of the other, as fractions of their bounding boxes.
     for (name, place, radius) in [
         ("rat/street_rat_4k.gltf", Vec3::new(0.5, 0.25, 0.55), 0.7),
         ("spot/spot_triangulated.obj", Vec3::new(0.91, 0.344, 0.534), 9.0),
@@ -472,7 +472,7 @@ fn one_closed_line_cuts_an_animal_in_two_sections_with_their_names() {
         assert_eq!(called, ["coat", "belly"], "{name}");
         assert_eq!(curves_of(&out[2]).curve_count(), 0);
         assert_eq!(curves_of(&out[3]).curve_count(), 2);
-        // All skin is in one of them, and what is inside the ring is what nearest skin of it says.
+        // All skin is in one of them, and skin inside the ring has the section of the nearest skin.
         let surface = scalp.surface();
         let mut areas = [0.0f32; 2];
         for t in 0..surface.triangles.len() as u32 {
@@ -491,7 +491,7 @@ fn one_closed_line_cuts_an_animal_in_two_sections_with_their_names() {
         for (section, area) in sections.list().iter().zip(areas) {
             assert!((section.area / area - 1.0).abs() < 0.03, "{name} {section:?} {area}");
         }
-        // Hair by the name of a section is rooted in it alone, and off the line.
+        // Hair masked by the name of a section is rooted only in it, and off the line.
         let coat = [
             ("scalp", scalp.clone().into()),
             ("count", Value::Int(3000)),

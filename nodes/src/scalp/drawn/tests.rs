@@ -1,4 +1,5 @@
-//! What drawn regions promise: hair inside the line alone, on heads and animals, by name, and a word on what does not fit.
+//! What drawn regions promise: hair only inside the line, on heads and animals, by name, and a message for what does
+//! not fit.
 
 use crate::data::scalp::Scalp;
 use crate::data::strokes::{Sample, Stroke, Strokes};
@@ -19,7 +20,7 @@ fn drawn(strokes: Vec<Stroke>) -> [(&'static str, Value); 3] {
 fn hair_grows_inside_a_drawn_line_alone() {
     let check = |set: &[(&str, Value)], centre: Vec3, radius: f32| {
         let plain = head(set);
-        // On heads in head units, on animals as a part of their box.
+        // On heads in head units, on animals as a fraction of their bounding box.
         let (low, high) = plain.surface().bounds();
         let near = match set {
             [] => plain.frame().point_from_head(centre),
@@ -43,10 +44,10 @@ fn hair_grows_inside_a_drawn_line_alone() {
             outermost = outermost.max(tuft.curve(i)[0].distance(middle));
         }
         assert!(curves_of(&grown[0]).curve_count() > 700);
-        // The line's chords lie a little inside, where the skin bends a little outside.
+        // The line's chords are slightly inside, where the skin bends slightly outward.
         assert!((0.93..1.006).contains(&(outermost / radius)), "{outermost} of {radius}");
     };
-    // The side of the jaw, round one eye, and over the crown.
+    // The side of the jaw, around one eye, and over the crown.
     check(&[], Vec3::new(6.0, -6.0, 4.0), 2.2);
     check(&[], Vec3::new(3.2, 0.0, 8.5), 1.7);
     check(&[], Vec3::new(0.0, 9.0, 0.0), 6.0);
@@ -95,7 +96,7 @@ fn regions_have_names_holes_and_the_side_of_their_point() {
     }
     assert!(said.iter().any(|s| s.contains("leave") && s.contains("hole")), "{said:?}");
     assert!(said.iter().any(|s| s.starts_with("\"beard\": 38")), "{said:?}");
-    // All but the chin.
+    // Everything except the chin.
     let (scalp, said) = made("rest 0 9 0", vec![round(&plain, 1, chin, 3.0)]);
     assert_eq!([chin, crown].map(|p| value(&scalp, "rest", p)), [Some(0.0), Some(1.0)]);
     assert!(said.iter().any(|s| s.contains("encloses that side")), "{said:?}");

@@ -1,4 +1,4 @@
-//! What is said and done where a mesh is no plain head: parts inside out, two heads, flat things, things worn.
+//! Messages and behaviour for meshes that are not plain heads: inverted parts, two heads, flat things, things worn.
 
 use super::laws::{adult, bust_shape, named, on_the_bust};
 use super::worn::Shape;
@@ -30,7 +30,7 @@ fn a_part_that_is_inside_out_is_turned_and_named() {
         let (scalp, said) = said(&[("Head", &head), ("Bun", &other)]);
         says(&said, &["triangles are inside out", name]);
         assert!(!said.iter().any(|s| s.starts_with("the mesh is inside out")), "{said:?}");
-        // What looks at the crown from above sees its front, and so it is with the part beside it.
+        // Seen from above, the crown shows its front, and so does the part beside it.
         for at in [Vec3::Y * 30.0, Vec3::new(1.0, -4.5, -30.0)] {
             let (a, b) = (scalp.surface(), whole.surface());
             let hits = [a, b].map(|surface| surface.closest(at).unwrap());
@@ -58,7 +58,7 @@ fn a_second_head_is_told_with_what_to_do() {
 
 #[test]
 fn a_flat_mesh_is_measured_across() {
-    // 1000 units across and none high: mm, 1 m across, and not 1 km.
+    // 1000 units across and flat: mm, 1 m across, and not 1 km.
     let sheet = Shape {
         points: [(0.0, 0.0), (1000.0, 0.0), (1000.0, 800.0), (0.0, 800.0)]
             .map(|(x, z)| Vec3::new(x, 0.0, z))
@@ -82,7 +82,7 @@ fn glasses_do_not_stand_over_the_crown() {
 
 #[test]
 fn many_parts_that_are_no_heads_cost_no_more_than_a_head_does() {
-    // Balls in a heap: each has a cranium, and none a face. With each of six axes up each of them was looked at as
+    // Balls in a heap: each has a cranium, and none has a face. With each of six axes up, each was once examined as
     // closely as a head.
     let spent = |shape: &Shape| {
         let pieces = Pieces::of(&shape.points, &shape.triangles);

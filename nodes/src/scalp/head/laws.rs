@@ -1,4 +1,4 @@
-//! What the head node guarantees, on real heads and on heads made up for the case.
+//! Guarantees of the head node, on real heads and on synthetic ones.
 
 use super::worn::{KINDS, Shape, way, worn};
 use super::*;
@@ -27,7 +27,7 @@ fn head(test: &str, name: &str, set: &[(&str, Value)]) -> Option<(Arc<Scalp>, Ve
 
 #[test]
 fn the_cranium_of_real_heads_is_where_it_was_measured() {
-    // Radius over height, radius in file units, and what 50 and 95 % of the crown keep within.
+    // Radius over height, radius in file units, and the distances that 50 and 95 % of the crown stay within.
     for (name, over_height, file_radius, p50, p95) in [
         (LPS, 0.242, 1.925, 0.052, 0.17),
         (ICT, 0.264, 8.92, 0.042, 0.11),
@@ -83,7 +83,7 @@ fn real_heads_get_their_units_their_face_and_their_scalp() {
         assert_eq!((frame.forward, frame.right), (Vec3::Z, Vec3::X), "{name}");
         let area = area(scalp.surface(), scalp.region());
         assert!((area - area_cm2).abs() < 2.0, "{name}: {area} cm2");
-        // Nothing is proposed but what says itself that it is lashes.
+        // Only parts that are named as lashes are suggested.
         let proposed: Vec<_> = scalp.parts().iter().filter(|part| part.is_proposed).collect();
         let lashes = proposed.iter().all(|part| part.name == "M_EyeLashes");
         assert!(lashes && proposed.len() == usize::from(name == ICT), "{name}: {proposed:?}");
@@ -92,7 +92,8 @@ fn real_heads_get_their_units_their_face_and_their_scalp() {
 
 #[test]
 fn a_face_that_looks_between_two_axes_is_found() {
-    // The scan's shoulders look elsewhere, and the corner of its glasses, 44 degrees to its right, is farther than its nose.
+    // The scan's shoulders face another way, and the corner of its glasses, 44 degrees to its right, is farther out
+    // than its nose.
     let Some((scalp, said)) = head("a_scan", SCAN, &[]) else { return };
     assert!(said.iter().any(|s| s.starts_with("forward: -14.")), "{said:?}");
     let forward = scalp.frame().forward;
@@ -142,7 +143,7 @@ fn every_root_of_a_groom_made_elsewhere_binds_to_its_head() {
     off.sort_by(f32::total_cmp);
     let (median, most) = (off[strands / 2], off[strands - 1]);
     assert!((median - 0.037).abs() < 0.001 && most < 0.63, "{median} {most}");
-    // The mask has one value a vertex, and edges here are 1.5 cm long: its edge is that coarse.
+    // The mask has one value per vertex, and edges here are 1.5 cm long: its edge is that coarse.
     assert!(touched as f32 > 0.97 * strands as f32, "{touched}");
     assert!(inside as f32 > 0.94 * strands as f32, "{inside}");
 }
@@ -191,7 +192,7 @@ pub(super) fn adult(set: &[(&str, Value)]) -> (Arc<Scalp>, Vec<String>) {
     }
 }
 
-/// A file made of a mesh's points and triangles, put through `place`.
+/// A file with a mesh's points and triangles, transformed by `place`.
 fn obj(mesh: &Mesh, place: impl Fn(Vec3) -> Vec3) -> Value {
     use std::fmt::Write;
     let mut text = String::new();
@@ -230,7 +231,7 @@ fn units_and_axes_of_a_file_are_found_or_told() {
         assert!(frame.forward.distance(forward) < 1e-3, "{what}: {}", frame.forward);
         assert!((frame.right - Vec3::Y.cross(frame.forward)).length() < 1e-6, "{what}");
     }
-    // The same bust in a file with Z up comes out as it went in.
+    // The same bust in a file with Z up gives the same result.
     let z_up = obj(&bust, |p| Vec3::new(p.x, -p.z, p.y));
     let scalp = adult(&[("mesh", z_up.clone()), ("up", "z".into())]).0;
     assert!(scalp.surface().bounds().1.distance(adult(&[]).0.surface().bounds().1) < 1e-3);
@@ -326,7 +327,7 @@ fn what_is_wrong_is_named() {
         "region_name: \"beard\" is not there; the mesh has: hairline, material:eyes, material:iris, \
          material:lips, material:skin"
     );
-    // Flat, tiny and thin meshes are no heads, and no trouble either.
+    // Flat, tiny and thin meshes are not heads, and cause no trouble.
     for text in ["v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2", "v 0 0 0\nv 1 1 0\nv 0 1e-20 0\nf 1 2 3"] {
         let (scalp, said) = adult(&[("mesh", file("flat.obj", text.as_bytes()))]);
         assert!(said.iter().any(|s| s.starts_with("no human cranium")), "{said:?}");
@@ -340,7 +341,7 @@ pub(super) fn bust_shape() -> Shape {
     Shape { points: bust.points, triangles: bust.triangles }
 }
 
-/// What is worn, on a head of the bust's size.
+/// Something worn, on a head of the bust's size.
 pub(super) fn on_the_bust(kind: u32, id: u64) -> Shape {
     worn(kind, Dice::new(7, 0, "worn"), id).placed(|p| p * HEAD_RADIUS)
 }
@@ -364,7 +365,7 @@ pub(super) fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> 
     Value::File(Arc::new(FileData { path, extension, bytes, sides: BTreeMap::new() }))
 }
 
-/// The face looks along +z, and the sphere is that of the bust alone: its centre and its radius to 1 % of the radius.
+/// The face is along +z, and the sphere is that of the bust alone: its centre and radius to 1 % of the radius.
 fn check_worn(ids: std::ops::Range<u64>) {
     let bust = bust_shape();
     let alone = fit::cranium(&bust.points, &bust.triangles, &mut 0, || Ok(())).unwrap().unwrap();
@@ -411,12 +412,12 @@ fn a_head_with_a_pony_tail_has_the_frame_of_the_same_head_without() {
     let (plain, tail) = (plain.frame(), tail.frame());
     assert_eq!((tail.forward, tail.right, tail.up), (Vec3::Z, Vec3::X, Vec3::Y));
     assert_eq!((plain.forward, plain.right, plain.up), (Vec3::Z, Vec3::X, Vec3::Y));
-    // Both are the sphere of the one mesh; the neck alone moves the first guess. In head_plain.glb it is 7.94 cm.
+    // Both are the sphere of the single mesh; only the neck moves the initial guess. In head_plain.glb it is 7.94 cm.
     assert!((plain.radius - 7.943).abs() < 0.01, "{}", plain.radius);
     assert!((tail.radius / plain.radius - 1.0).abs() < 1e-3, "{} {}", tail.radius, plain.radius);
     assert!(tail.origin.distance(plain.origin) < 1e-3 * plain.radius);
-    // Nothing in the file has a name. Its largest piece is the head, the second the cap of hair, the third the neck, the last
-    // the tail.
+    // Nothing in the file has a name. Its largest piece is the head, the second the cap of hair, the third the neck,
+    // the last the tail.
     let proposes = "set leave_out to \"piece 2, piece 4\"";
     assert!(said.iter().any(|s| s.contains("over the crown") && s.contains(proposes)), "{said:?}");
     let leave = [("leave_out", "piece 2, piece 4".into())];
@@ -440,7 +441,7 @@ fn what_is_left_out_is_neither_skin_nor_region_and_what_is_not_there_is_told() {
     let listed: Vec<_> = scalp.parts().iter().map(|p| (p.name.as_str(), p.is_proposed)).collect();
     assert!(listed.starts_with(&[("Long_Hair", true), ("top hat", true)]), "{listed:?}");
     assert!(listed.contains(&("Head", false)), "{listed:?}");
-    // The surface that is left is the bust's own, and so is all that follows from it.
+    // The remaining surface is the bust's own, and so is everything derived from it.
     let alone = adult(&[("mesh", named(&[("Head", &bust)], |p| p))]).0;
     let (left, said) = adult(&[("mesh", file()), ("leave_out", "*HAIR , Top Hat, eyes".into())]);
     assert_eq!(left.surface().triangles, alone.surface().triangles);
@@ -468,7 +469,7 @@ fn what_is_left_out_is_neither_skin_nor_region_and_what_is_not_there_is_told() {
 fn a_head_is_found_with_whatever_axis_up() {
     let (bust, hair) = (bust_shape(), on_the_bust(0, 4));
     for up in Up::ALL {
-        // The file that, read with this axis up, is the bust: three turns of it are what undoes one, but for half turns.
+        // The file that gives the bust when read with this axis up: three turns undo one, except for half turns.
         let back = |p: Vec3| (0..3).fold(p, |p, _| up.turned(p));
         let file = || named(&[("head", &bust), ("bun", &hair)], back);
         let (scalp, said) = adult(&[("mesh", file())]);
@@ -485,7 +486,7 @@ fn a_head_is_found_with_whatever_axis_up() {
 
 #[test]
 fn where_no_hairline_is_known_or_the_region_is_no_scalp_it_is_told_with_its_size() {
-    // A cube of 2 units, which is read as metres: 6 sides of 40,000 cm2.
+    // A cube of 2 units, read as metres: 6 sides of 40,000 cm2.
     let cube =
         b"v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
                  f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
@@ -507,7 +508,7 @@ fn where_no_hairline_is_known_or_the_region_is_no_scalp_it_is_told_with_its_size
         &said,
         &["no hairline is known", "100 % of the mesh, 240000 cm2", "600 to 900 cm2", "region"],
     );
-    // A thing that is said to be one is no trouble.
+    // A mesh declared as a thing causes no message.
     let (_, said) = adult(&[("mesh", file()), metres, ("fit", "none".into())]);
     assert!(!said.iter().any(|s| s.contains("hairline") || s.contains("cranium")), "{said:?}");
     // All of the bust's skin.
@@ -520,7 +521,7 @@ fn where_no_hairline_is_known_or_the_region_is_no_scalp_it_is_told_with_its_size
 
 #[test]
 fn a_crown_that_something_stands_on_is_doubted() {
-    // A bun at the back that is one with the head: a triangle leads from one to the other.
+    // A bun at the back in one piece with the head: a triangle leads from one to the other.
     let bust = bust_shape();
     let n = bust.points.len() as u32;
     let bun = Shape::ball(way(180.0, 10.0) * 1.4, Vec3::splat(0.5));

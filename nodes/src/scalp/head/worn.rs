@@ -1,6 +1,7 @@
-//! What stands on heads in tests: buns, tails, fringes, caps of hair, helmets, hats, glasses, of any size and direction.
+//! Things worn on heads, for tests: buns, tails, bangs, caps of hair, helmets, hats, glasses, of any size and
+//! direction.
 //!
-//! A head here has its cranium's centre at the origin, radius 1, and looks along +z.
+//! A head here has its cranium's centre at the origin, radius 1, and faces +z.
 
 use crate::maths::hash::Dice;
 use crate::maths::transcendental::{sin_cos, sin_cos_turns};
@@ -25,7 +26,7 @@ impl Shape {
         self.points.iter_mut().for_each(|p| *p = place(*p));
         self
     }
-    /// A sheet of `across` by `along` squares over (0, 0) to (1, 1), without those that have a corner nowhere.
+    /// A sheet of `across` by `along` squares over (0, 0) to (1, 1), without squares that have a missing corner.
     fn sheet(across: u32, along: u32, at: impl Fn(f32, f32) -> Option<Vec3>) -> Self {
         let (n, m) = (across as f32, along as f32);
         let grid =
@@ -52,7 +53,7 @@ impl Shape {
     }
 }
 
-/// The direction at so many degrees to the head's left of its face and above its centre.
+/// The direction at these degrees to the head's left of its face and above its centre.
 pub(super) fn way(aside: f32, above: f32) -> Vec3 {
     let ((s, c), (high, out)) = (sin_cos(aside.to_radians()), sin_cos(above.to_radians()));
     Vec3::new(s * out, high, c * out)
@@ -67,10 +68,10 @@ fn shell(far: f32, low: f32, side: f32, top: f32) -> Shape {
     })
 }
 
-/// Kinds of what is worn.
+/// Number of kinds of things worn.
 pub(super) const KINDS: u32 = 14;
 
-/// One of each kind, any size and direction.
+/// One of each kind, of any size and direction.
 pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
     let any = |index: u64, lo: f32, hi: f32| dice.range(id, index, lo, hi);
     let both = |shape: &dyn Fn(f32) -> Shape| shape(1.0).and(&shape(-1.0));
@@ -83,7 +84,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
             let half = Vec3::new(any(3, 0.7, 1.2), any(4, 0.7, 1.2), any(5, 0.7, 1.2)) * size;
             Shape::ball(way(any(2, 100.0, 260.0), above) * (1.0 + 0.6 * size), half)
         }
-        // A pony tail, and two.
+        // A ponytail, and two.
         2 => {
             let (aside, wide, long) = (any(0, 110.0, 250.0), any(1, 0.12, 0.4), any(2, 0.8, 3.0));
             let (from, out) = (way(aside, any(3, 0.0, 60.0)) * 1.05, any(4, 0.1, 0.5));
@@ -99,7 +100,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
             let half = Vec3::new(wide, 0.6 * long, wide);
             both(&|side| Shape::ball(Vec3::new(side * 1.15, 0.4 - 0.5 * long, -0.3), half))
         }
-        // A fringe.
+        // Bangs.
         4 => {
             let (wide, low) = (any(0, 30.0, 80.0), any(1, -10.0, 25.0));
             let (far, bend) = (any(2, 1.02, 1.25), any(3, 0.0, 0.2));
@@ -108,7 +109,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
                 Some(at * Vec3::new(0.9, 1.0, 1.08) * (far + bend * (1.0 - v)))
             })
         }
-        // Caps of hair: open in front; all round; with an inside of their own.
+        // Caps of hair: open in front; all around; with an inside of their own.
         5 => shell(any(0, 1.05, 1.35), any(1, -60.0, 0.0), any(2, 20.0, 75.0), any(3, 20.0, 60.0)),
         6 => shell(any(0, 1.05, 1.4), any(1, -10.0, 20.0), 0.0, 0.0),
         7 => {
@@ -116,7 +117,7 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
             let one = |far| shell(far, any(1, -60.0, 0.0), any(2, 20.0, 75.0), any(3, 20.0, 60.0));
             one(far).and(&one(far - any(4, 0.03, 0.1)))
         }
-        // A helmet, one that hides all of the head, and a hat with a brim.
+        // A helmet, one that hides the whole head, and a hat with a brim.
         8 => shell(any(0, 1.2, 1.6), any(1, -50.0, -5.0), any(2, 30.0, 70.0), any(3, 5.0, 30.0)),
         9 => {
             let far = any(0, 1.3, 1.6);

@@ -1,11 +1,11 @@
-//! Strokes from parameters by the hundred, laws, and random walks.
+//! Parameterized strokes by the hundred, laws, and random walks.
 
 use super::*;
 use crate::maths::hash::Dice;
 use crate::sketch::drawing::{Hand, TICK, arc, bow, coil, spiral, turn, zigzag};
 use crate::sketch::stroke_shape::RHO;
 
-/// Pixels across a cluster of 1 cm radius in a picture 1000 pixels high.
+/// Diameter in pixels of a cluster of 1 cm radius in a picture 1000 pixels high.
 const DIAMETER: f32 = 50.0;
 
 struct Case {
@@ -14,7 +14,7 @@ struct Case {
     samples: Vec<PenSample>,
     before: Option<Vec<PenSample>>,
     around: Around,
-    /// None: unsure.
+    /// `None`: ambiguous.
     right: Option<Tool>,
 }
 
@@ -40,7 +40,7 @@ const KINDS: &[&str] = &[
     "unsure",
 ];
 
-/// The strokes of the table that are guessed wrong: none now. 14 of 480 may be, none of them a cut.
+/// The strokes of the table that are guessed wrong: currently none. 14 of 480 may be, none of them a cut.
 const WRONG: &[&str] = &[];
 
 const TIP: Around = Around {
@@ -56,13 +56,13 @@ const ERASER: Around = Around { eraser: true, ..TIP };
 fn case(seed: u64, kind: &str, i: u64) -> Case {
     let dice = Dice::new(seed, 0, kind);
     let pick = |k: u64, lo: f32, hi: f32| dice.range(i, k, lo, hi);
-    // Small and large ones are as frequent.
+    // Small and large ones are equally frequent.
     let size =
         |lo: f32, hi: f32| lo * crate::maths::transcendental::pow(hi / lo, pick(0, 0.0, 1.0));
     let way = if dice.below(i, 1, 2) == 0 { 1.0 } else { -1.0 };
     let angle = pick(2, 0.0, 1.0);
     let light = if dice.below(i, 3, 2) == 0 { Layer::Nearest } else { Layer::Through };
-    // As fast as its shape lets a hand be.
+    // As fast as its shape allows.
     let hand = |finest: f32| Hand {
         spacing: pick(4, 1.0, finest.clamp(1.5, 40.0)),
         tremor: pick(5, 0.0, 2.5),
@@ -181,7 +181,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
             stroke(&any(12), hand(20.0), around, Some(Tool::Implant))
         }
         _ => match i % 10 {
-            // Half a circle, and what bends too far for a cut.
+            // Half a circle, and strokes that bend too much for a cut.
             0 => stroke(&arc(size(60.0, 500.0), angle, [way * 0.25; 2]), hand(40.0), eraser, None),
             1 => {
                 let line = bow(size(40.0, 500.0), angle, way * pick(12, 0.2, 0.35), 0.0, 0.0);
@@ -213,14 +213,14 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
     }
 }
 
-/// Names of the strokes that are guessed wrong, of so many of each kind. None of them may cut.
+/// Names of wrongly guessed strokes, with this many of each kind. None of them may cut.
 fn wrong(seed: u64, each: u64) -> Vec<String> {
     let mut wrong = vec![];
     for case in KINDS.iter().flat_map(|kind| (0..each).map(move |i| case(seed, kind, i))) {
         let guess = case.guess();
         let right = match (guess, case.right) {
             (Guess::Is(tool), Some(right)) => tool == right,
-            // Why, and after the colon what to do.
+            // Why and, after the colon, what to do.
             (Guess::Unsure(why), None) => why.contains(':'),
             _ => false,
         };
@@ -288,7 +288,7 @@ fn nothing_but_a_straight_stroke_of_the_eraser_through_hair_or_on_the_scalp_cuts
     let mut cuts = 0;
     for i in 0..10_000 {
         let dice = Dice::new(5, i, "garbage");
-        // Walks that turn and stride as they like, some nearly straight.
+        // Walks with random turns and strides, some nearly straight.
         let (bend, stride) = (dice.unit(0, 0), dice.range(0, 1, 0.1, 40.0));
         let (mut at, mut way) = (Vec2::ZERO, dice.unit(0, 2));
         let samples: Vec<PenSample> = (0..u64::from(dice.below(0, 3, 60)))
@@ -312,7 +312,7 @@ fn nothing_but_a_straight_stroke_of_the_eraser_through_hair_or_on_the_scalp_cuts
             let (first, last) = (samples[0].at, samples[samples.len() - 1].at);
             let chord = first.distance(last);
             let off = |s: &PenSample| (last - first).perp_dot(s.at - first).abs() / chord;
-            // Ends clean of tremor apart, what is allowed: a twelfth, and 0.08 of 30.
+            // The allowed bow, not counting tremor at the ends: a twelfth, and 0.08 of 30.
             assert!(samples.iter().all(|s| off(s) <= chord / 12.0 + 4.0), "garbage {i} cuts");
         }
     }

@@ -1,4 +1,4 @@
-//! Shapes of strokes, worked out by hand, and as a shaky hand draws them.
+//! Shapes of strokes, computed by hand, and as drawn by a shaky hand.
 
 use super::*;
 use crate::maths::hash::Dice;
@@ -16,8 +16,8 @@ fn mirrored(points: &[Vec2]) -> Vec<Vec2> {
 #[test]
 fn every_segment_of_a_resampled_stroke_is_one_step_and_the_rest_is_dropped() {
     let corner = [Vec2::ZERO, Vec2::new(40.0, 0.0), Vec2::new(40.0, 45.0)];
-    // 30 along the first side; then the place of the second that is 30 from (30, 0): 10 across and 800^(1/2) = 28.284 down; the
-    // last 16.7 are less than a step.
+    // 30 along the first side; then the point of the second that is 30 from (30, 0): 10 across and 800^(1/2) = 28.284
+    // down; the last 16.7 are less than a step.
     let even = resampled(&corner, 30.0);
     assert_eq!(even.len(), 3);
     assert_eq!(even[..2], [Vec2::ZERO, Vec2::new(30.0, 0.0)]);
@@ -49,17 +49,17 @@ fn full_circles_count_clockwise_less_counter_clockwise_ones_once_each_is_closed(
     for n in 1..=6 {
         check(&coil(50.0, 1.0, 0.0, n as f32 + 0.1, 0.3, Vec2::ZERO), n);
         check(&coil(80.0, 0.5, 0.15, -(n as f32) - 0.1, 0.7, drift), -n);
-        // Three quarters more are no further circle.
+        // Three quarters more are not another circle.
         check(&coil(60.0, 0.8, 0.3, n as f32 + 0.75, 0.0, drift), n);
     }
     check(&coil(60.0, 1.0, 0.0, 0.8, 0.0, Vec2::ZERO), 0);
     check(&bow(300.0, 0.2, 0.0, 0.0, 0.0), 0);
     check(&zigzag(60.0, 9, 0.2, 20.0, 0.0, false), 0);
-    // Two clockwise from the top, then one counter-clockwise that leaves the first's side: 1.
+    // Two clockwise from the top, then one counterclockwise that leaves the first's side: 1.
     let mut both = coil(50.0, 1.0, 0.0, 2.0, 0.75, Vec2::ZERO);
     both.extend(coil(50.0, 1.0, 0.0, -1.1, 0.25, Vec2::ZERO).iter().map(|p| *p - Vec2::Y * 100.0));
     check(&both, 1);
-    // A way in of twice the radius is no part of the circle.
+    // A lead-in of twice the radius is not part of the circle.
     let mut way_in = vec![Vec2::new(-120.0, -60.0)];
     way_in.extend(coil(60.0, 1.0, 0.0, 1.05, 0.75, Vec2::ZERO));
     check(&way_in, 1);
@@ -67,7 +67,7 @@ fn full_circles_count_clockwise_less_counter_clockwise_ones_once_each_is_closed(
 
 #[test]
 fn each_turn_of_a_twirl_is_a_loop_with_its_place_and_way_round() {
-    // A coil of radius 20 that goes on by 60 a turn: it crosses itself below each middle where the hand moves back.
+    // A coil of radius 20 that advances by 60 per turn: it crosses itself below each centre where the hand moves back.
     for n in 1..=6 {
         let line = coil(20.0, 1.0, 0.0, n as f32, 0.75, Vec2::X * 60.0);
         for seed in 0..4 {
@@ -92,7 +92,7 @@ fn turns_over_the_same_ground_count_once_each() {
             let line = coil(40.0, 0.9, 0.1, n as f32 + 0.5, 0.0, Vec2::new(6.0, 3.0));
             let found = loops(&shaky(seed).places(&line), RHO).len();
             assert!(found.abs_diff(n) <= 1, "{n} turns: {found}");
-            // Their ways apart by nothing but the tremor.
+            // Their paths differ only by tremor.
             let line = coil(40.0, 0.9, 0.1, n as f32 + 0.5, 0.0, Vec2::ZERO);
             let found = loops(&shaky(seed).places(&line), RHO).len();
             assert!(found.abs_diff(n) <= 1, "{n} turns on the spot: {found}");
@@ -130,7 +130,7 @@ fn a_scribble_has_its_width_and_its_reversals() {
         let off = (found.amplitude - width).abs();
         assert!(off <= width * 0.1 + 1.0, "{found:?}: {width} wide");
     }
-    // Too few; round and round; a wave longer than it is wide is a comb's.
+    // Too few; around and around; a wave longer than it is wide belongs to a comb.
     let none = |line: &[Vec2]| assert_eq!(scribble(&shaky(1).places(line), RHO), None);
     none(&zigzag(60.0, 2, 0.1, 10.0, 0.0, true));
     none(&coil(40.0, 0.6, 0.2, 4.5, 0.0, Vec2::new(10.0, 0.0)));
