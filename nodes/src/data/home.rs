@@ -78,8 +78,8 @@ impl Home<'_> {
     /// Whether a point lies in the section, or so high that it lies in none.
     pub fn holds(&self, p: Vec3) -> bool {
         self.is_clear(p) || {
-            let hit = self.scalp.skin().closest(p);
-            hit.is_none_or(|hit| hit.distance > FREE || self.within(hit.point) >= 0.0)
+            let hit = self.scalp.skin().closest_within(p, FREE);
+            hit.is_none_or(|hit| self.within(hit.point) >= 0.0)
         }
     }
 
@@ -180,8 +180,7 @@ impl Home<'_> {
             return true;
         }
         let skin = self.scalp.skin();
-        let below =
-            |p: Vec3| skin.closest(p).filter(|hit| hit.distance < FREE).map(|hit| hit.point);
+        let below = |p: Vec3| skin.closest_within(p, FREE).map(|hit| hit.point);
         let (Some(a), Some(b)) = (below(from), below(to)) else { return false };
         // On a bent scalp the straight piece does not lie over the straight way between its ends, so that its middle may touch a
         // corner of a line that the way passes.

@@ -171,15 +171,16 @@ mod tests {
 
     #[test]
     fn on_a_wide_mesh_hair_makes_no_cells() {
-        // 200 hairs of 16 points all over 160 strips that zigzag by 10 cm, 4 cm apart: each point in a brick of its own would be
-        // 3200 x 600 bytes, and 8 or 9 searches in place of one.
-        let scalp = of(strips(160, 10.0, 4.0));
+        // 200 hairs of 16 points that dip into 64 strips of 10 x 40 cm: each point in a brick of its own would be 3200 x 600 bytes,
+        // and 8 or 9 searches in place of one.
+        let scalp = of(strips(64, 0.5, 10.0));
+        assert_eq!(scalp.rough(), Some(Rough::Wide));
         let skin = scalp.skin();
         let (before, mut moved) = (scalp.bytes(), 0);
         for k in 0..200 {
-            let root = Vec3::new(3.17 * k as f32, 5.0, 0.2 * k as f32);
+            let root = Vec3::new(3.17 * k as f32, 3.0, 0.17 * k as f32);
             let mut hair: Vec<Vec3> =
-                (0..16).map(|n| root + Vec3::new(0.7, 0.1, 0.3) * n as f32).collect();
+                (0..16).map(|n| root + Vec3::new(0.3, -0.4, 0.1) * n as f32).collect();
             moved += usize::from(skin.clear(&mut hair, |_| Some(0.0)));
             assert!(hair[1..].iter().all(|p| skin.distance(*p) > -1e-3));
         }
@@ -187,6 +188,27 @@ mod tests {
         // `distance` above asks the field within a millimetre only where it is asked; the hair itself notes blocks alone.
         let made = scalp.bytes() - before;
         assert!(made < 4000 * 600, "{made} bytes");
+    }
+
+    #[test]
+    fn guides_are_kept_out_of_folds_hair_is_not_and_scraps_have_no_inside() {
+        // (Whether guides are pushed out, and whether there is a skin for hair.)
+        let check = |surface: Surface, guides: bool, hair: bool| {
+            let scalp = of(surface);
+            let skin = scalp.skin();
+            let moved = (0..40).any(|k| {
+                let from = Vec3::new(0.1 + 0.25 * k as f32, 2.0, 0.3 + 0.2 * k as f32);
+                let mut guide: Vec<Vec3> =
+                    (0..9).map(|n| from - Vec3::Y * (0.5 * n as f32)).collect();
+                skin.clear(&mut guide, |_| Some(0.0))
+            });
+            assert_eq!((moved, skin.for_hair().is_some()), (guides, hair), "{:?}", scalp.rough());
+        };
+        check(strips(12, 0.0, 10.0), true, true);
+        check(strips(64, 0.5, 10.0), true, true);
+        check(strips(12, 10.0, 1.0), true, false);
+        check(scraps(300), false, false);
+        check(blades(2000), false, false);
     }
 
     #[test]

@@ -112,6 +112,17 @@ impl<'a> Skin<'a> {
         }
     }
 
+    /// [`Self::closest`] unless it is farther than `reach` (cm), which the field often tells without a search.
+    pub fn closest_within(&self, p: Vec3, reach: f32) -> Option<Hit> {
+        if self.field.far(self.surface, p) > reach {
+            return None;
+        }
+        match self.field.hint(self.surface, p) {
+            Some(near) => self.surface.closest_within_from(p, reach, near),
+            None => self.surface.closest_within(p, reach),
+        }
+    }
+
     /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.
     #[inline]
     pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {

@@ -155,6 +155,18 @@ impl Surface {
         self.search(p, best.0.next_up(), best, false)
     }
 
+    /// [`Self::closest_within`], found sooner when triangle `near` is close to `p`.
+    pub fn closest_within_from(&self, p: Vec3, reach: f32, near: u32) -> Option<Hit> {
+        if self.is_gone(near) || self.tree.is_tangled() {
+            return self.closest_within(p, reach);
+        }
+        let (best, limit) = (self.at_nearest(p, near), (reach * reach).next_up());
+        if best.0 > limit {
+            return self.search(p, limit, NONE, false);
+        }
+        self.search(p, best.0.next_up(), best, false)
+    }
+
     /// A point that sees the triangles from the same side as `p`, but from no farther than [`FARAWAY`]; none where `p` does so
     /// itself. From farther all are equally far in single precision, and each would be looked at.
     fn seen_from_nearer(&self, p: Vec3) -> Option<Vec3> {
