@@ -208,9 +208,10 @@ impl<'a> Hair<'a> {
         let range = |[lo, hi]: [f32; 2], x: f32| [lo.min(x), hi.max(x)];
         let none = [f32::MAX, f32::MIN];
         let found = match self.source {
-            Source::Curves(curves) => {
-                of_curves(curves, a::WIDTH.name)?.values.iter().copied().fold(none, range)
-            }
+            Source::Curves(curves) => match of_curves(curves, a::WIDTH.name) {
+                Some(column) => column.values.iter().copied().fold(none, range),
+                None => [a::WIDTH.default; 2],
+            },
             Source::File(read) => {
                 let widths = read.widths.as_ref().filter(|w| !w.values.is_empty())?;
                 let values = &widths.values;
