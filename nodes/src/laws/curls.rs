@@ -334,7 +334,7 @@ fn turns(at: &[Vec3], axis: &[Vec3], turn: f32) -> (Vec<f32>, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::maths::transcendental::{cos, sin};
+    use crate::maths::transcendental::{cos, sin, sin_cos};
 
     fn of(points: &[Vec3]) -> Option<Curl> {
         Curl::of(&Spline::new(points).ok()?, points.len())
@@ -347,9 +347,9 @@ mod tests {
         (0..=n)
             .map(|k| {
                 let turn = k as f32 / per_turn;
-                let (s, c) = (turn * std::f32::consts::TAU).sin_cos();
+                let (s, c) = sin_cos(turn * std::f32::consts::TAU);
                 let along = turn * pitch * bend;
-                let (sb, cb) = along.sin_cos();
+                let (sb, cb) = sin_cos(along);
                 let out = Vec3::new(cb, sb, 0.0);
                 let radius = 0.5 * diameter * (2.0 * turn).min(1.0);
                 out * (1.0 / bend + radius * c) + Vec3::Z * (radius * s)

@@ -5,7 +5,7 @@
 //!
 //! Partings are curves with a `parting` number, mostly guides; their `radius` is half the parting's width and
 //! their `scalp_normal` the way off the skin. A hair can cross a parting only where it lies on the scalp: from its root until it
-//! is farther off the skin than [`ON`], has joined a braid or has passed the tie that holds it, behind which it hangs. Where
+//! is farther off the skin than 0.25 cm, has joined a braid or has passed the tie that holds it, behind which it hangs. Where
 //! `along` is told point by point a hair has joined where that begins to grow; the step that leads into its strand is the
 //! braid's, which may be wider than its section.
 

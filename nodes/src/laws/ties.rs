@@ -2,7 +2,7 @@
 //! the ring's radius, and how far it goes on behind.
 //!
 //! A hair is held by a tie where the middle and the radius of one are told for it. It passes where its way comes as near as the
-//! radius, and [`LOOSE`] more: within the band.
+//! radius, and 0.2 cm more: within the band.
 
 use super::hair::{Column, Hair, quantile};
 use glam::Vec3;
