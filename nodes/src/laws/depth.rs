@@ -24,7 +24,7 @@ const MOST_STEPS: usize = 500;
 /// How deep a point may lie beside what its curve allows, cm.
 const ROUNDING: f32 = 1e-3;
 
-/// Looks at all points, on the way to which hair may not be too deep either.
+/// Looks at every point, and between them where a curve is not as coif writes it.
 pub fn measure(hair: &Hair, scalp: &Scalp) -> Depth {
     let skin = scalp.skin();
     let allowed = hair.numbers("allow_depth");
