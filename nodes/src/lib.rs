@@ -17,6 +17,7 @@ pub mod formats;
 mod guides;
 #[cfg(test)]
 mod hostile;
+pub mod laws;
 pub mod maths;
 mod output;
 mod partition;

@@ -120,7 +120,7 @@ fn every_source_file_says_what_it_is() {
     }
 }
 
-/// Crates that evaluate are kept from it by `clippy.toml`; what judges their files lives beside a window that is not.
+/// Laws are kept from it by `nodes/clippy.toml`; what prints their figures lives beside a window that is not.
 #[test]
 fn what_is_measured_does_not_hang_on_the_systems_maths() {
     for (path, text) in sources(&["app/src/cli/measure"]) {

@@ -7,7 +7,6 @@
 use super::Exit;
 use super::carry_out::{Stop, not_strict};
 use super::given::{apply_scalp, apply_set};
-use super::measure::MOST_POINTS;
 use super::memory;
 use super::progress::Bar;
 use super::report::{ContentHash, Head, Output, Report};
@@ -28,8 +27,10 @@ use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{NodeError, Type, Value, short};
 use coif_nodes::eval::{Host, Quality};
-use coif_nodes::formats::conform::{Conformed, FEW, conform, over_partings};
+use coif_nodes::formats::conform::{Conformed, FEW, conform};
 use coif_nodes::formats::export;
+use coif_nodes::laws::partings::over_lines;
+use coif_nodes::laws::strands::MOST_POINTS;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -387,7 +388,7 @@ impl Wanted {
         }
         let curves = conformed;
         if !self.guides {
-            let [over, looked] = over_partings(&curves, parted, LOOKED_AT, host)?;
+            let [over, looked] = over_lines(&curves, parted, LOOKED_AT, host)?;
             // Single hairs are no fault: one in a thousand is left out of files for less.
             if over * FEW > looked {
                 report.warnings.push(format!(

@@ -14,6 +14,8 @@ use super::{braid_hair, braid_territory, lissajous_braid};
 use crate::data::attributes as attr;
 use crate::data::curves::Curves;
 use crate::data::scalp::tests::shared_ball;
+use crate::eval::PlainHost;
+use crate::laws::{Hair, depth, roots};
 use crate::maths::frame::{Frame, any_normal};
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
@@ -76,7 +78,6 @@ fn row(dice: Dice, id: u64, width: f32) -> (Kind, Vec<Vec3>, bool) {
 
 fn one(dice: Dice, id: u64) -> usize {
     let scalp = shared_ball();
-    let skin = scalp.skin();
     let n = [2, 3, 3, 3, 4, 5, 7, 12][dice.below(id, 7, 8) as usize];
     let width = dice.range(id, 8, 0.4, 1.4);
     let (kind, points, follows) = row(dice, id, width);
@@ -116,11 +117,10 @@ fn one(dice: Dice, id: u64) -> usize {
                 (tuft.view(attr::NORMAL).at(i, k), tuft.view(attr::RADIUS).at(i, k));
             assert!(p.is_finite() && radius.is_finite() && radius >= 0.0, "{what}");
             assert!((normal.length() - 1.0).abs() < 1e-4, "{what}: a normal {normal}");
-            let allowed: f32 = tuft.view(attr::ALLOW_DEPTH).at(i, k);
-            let d = skin.distance(*p) + allowed;
-            assert!(d > -1e-3, "{what}: a strand {d} in the head");
         }
     }
+    let deep = depth::measure(&Hair::of(&strands, &PlainHost), &scalp);
+    assert_eq!(deep.too_deep, 0, "{what}: strands {} in the head", deep.deepest_cm);
     if follows {
         let want = path_signs(&Weave::new(n as u32, default_frequency(n as u32), under, false));
         // Seen slightly from the side, a braid is the same; the outermost of twelve strands cross 2 % of the width from
@@ -156,15 +156,12 @@ fn one(dice: Dice, id: u64) -> usize {
     let (out, said) = run(&braid_hair::NODE, &hair);
     let hair: &Curves = curves_of(&out[0]);
     assert_eq!(hair.curve_count(), roots.curve_count(), "{what}: {said:?}");
+    assert!(roots::off_their_places(hair, &scalp) < 1e-3, "{what}: a hair off its root");
+    let deepest = depth::measure(&Hair::of(hair, &PlainHost), &scalp).deepest_cm;
+    assert!(deepest < 1e-3, "{what}: a hair {deepest} in the head");
     for (tuft, i) in hair.each() {
         let curve = tuft.curve(i);
         assert!(curve.len() <= 255 && curve.iter().all(|p| p.is_finite()), "{what}");
-        let first = tuft.range(i).start;
-        let triangle = tuft.view(attr::ROOT_TRIANGLE).at(i, first) as u32;
-        let root = scalp.root(triangle, tuft.view(attr::ROOT_BARY).at(i, first));
-        assert!(root.point.distance(curve[0]) < 1e-3, "{what}: a hair off its root");
-        let deepest = curve.iter().map(|p| skin.distance(*p)).fold(f32::MAX, f32::min);
-        assert!(deepest > -1e-3, "{what}: a hair {deepest} in the head");
         let chords: Vec<f32> = curve.windows(2).map(|w| w[0].distance(w[1])).collect();
         let mean = chords.iter().sum::<f32>() / chords.len() as f32;
         let longest = chords.iter().copied().fold(0.0, f32::max);

@@ -5,7 +5,7 @@
 //! word on those whose stitch length can be braided. All sources that break a law are reported.
 
 use super::laws::{Set, bare, braid, counted, helix, set, straight};
-use super::reading::{Strand, braid_signs, carried, overlap, path_signs, unevenness};
+use super::reading::{Strand, braid_signs, carried, overlap, path_signs};
 use super::weave::{Weave, default_frequency};
 use crate::data::attributes as attr;
 use crate::maths::hash::Dice;
@@ -123,7 +123,8 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
         }
     }
     if follows {
-        assert!(unevenness(&strands) < 1.2, "{what}: {}", unevenness(&strands));
+        let uneven = super::laws::unevenness(&strands);
+        assert!(uneven < 1.2, "{what}: {uneven}");
     }
     // Even stitches, in order, as many as asked for on each side.
     let (tuft, _) = stitch.each().next().unwrap_or_else(|| panic!("{what}: no stitches"));

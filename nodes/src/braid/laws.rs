@@ -2,7 +2,7 @@
 //! CVs.
 
 use super::lissajous_braid::NODE;
-use super::reading::{Strand, braid_signs, carried, on_ball, overlap, path_signs, unevenness};
+use super::reading::{Strand, braid_signs, carried, on_ball, overlap, path_signs};
 use super::weave::{Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Curves, TuftBuilder};
@@ -10,7 +10,9 @@ use crate::data::field::Field;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::{HeadFrame, REGION, Scalp, tests::ball};
 use crate::define::{FileData, Value};
-use crate::eval::{Log, Quality};
+use crate::eval::{Log, PlainHost, Quality};
+use crate::laws::braid_words::Crossing;
+use crate::laws::{Hair, braids, depth};
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos_turns;
@@ -82,6 +84,11 @@ pub(super) fn braid(source: &[Vec3], sets: &[Set]) -> (Curves, Curves, Vec<Strin
 
 pub(super) fn set<V: Into<Value>>(name: &'static str, value: V) -> Set {
     vec![(name, value.into())]
+}
+
+/// The largest ratio of neighbouring distances between CVs.
+pub(super) fn unevenness(curves: &Curves) -> f32 {
+    crate::laws::strands::measure(&Hair::of(curves, &PlainHost)).spacing_ratio
 }
 
 pub(super) fn counted(stitches: f32) -> Set {
@@ -181,6 +188,27 @@ fn every_weave_is_braided_as_it_should_on_any_source() {
         }
     }
     assert!(tried > 150, "{tried}");
+}
+
+#[test]
+fn laws_read_the_words_that_are_woven() {
+    for n in 2..=7u32 {
+        for (crossing, source) in [("under", straight(10.0)), ("over", helix(2.0, 4.0, 1.0))] {
+            let set = [counted(9.0), set("strands", i64::from(n)), set("crossing", crossing)];
+            let (strands, ..) = braid(&source, &[bare(), set.concat()]);
+            let found = braids::measure(&Hair::of(&strands, &PlainHost), None).unwrap();
+            let what = format!("{n} {crossing}: {found:?}");
+            assert!(found.braids == 1 && found.are_woven(), "{what}");
+            assert_eq!(found.keep_apart(), Some(true), "{what}");
+            let (m, kind) = (default_frequency(n), &found.kinds[0]);
+            let want = path_signs(&Weave::new(n, m, crossing == "under", false));
+            assert_eq!((kind.strands, kind.weave), (n as usize, Some(m as usize)), "{what}");
+            assert!(kind.signs.iter().map(|sign| Some(*sign)).eq(want), "{what}");
+            let asked = if crossing == "under" { Crossing::Under } else { Crossing::Over };
+            let seen = if m % 2 == 0 { asked } else { Crossing::Either };
+            assert_eq!(kind.crossing, Some(seen), "{what}");
+        }
+    }
 }
 
 #[test]
@@ -598,11 +626,9 @@ fn what_is_loose_beyond_the_tie_rests_on_the_skin() {
             ("flyaway_length", flyaway.into()),
         ];
         let (out, _) = run(&NODE, &set);
+        let deep = depth::measure(&Hair::of(curves_of(&out[0]), &PlainHost), &scalp);
+        assert_eq!(deep.too_deep, 0, "tuft {length}: {deep:?}");
         for (tuft, i) in curves_of(&out[0]).each() {
-            for (p, k) in tuft.curve(i).iter().zip(tuft.range(i)) {
-                let allowed: f32 = tuft.view(attr::ALLOW_DEPTH).at(i, k);
-                assert!(skin.distance(*p) > -allowed - 1e-3, "tuft {length}: {p}");
-            }
             let drawn = Spline::new(tuft.curve(i)).unwrap().length();
             assert!(drawn > length, "tuft {length}: {drawn}");
         }

@@ -1,5 +1,8 @@
-//! What tests measure on evaluated strands: their word and its signs, their distances, and how evenly spaced their CVs
-//! are.
+//! What tests read of evaluated strands: their word and its signs, and how near they come to one another.
+//!
+//! The one reader of words beside `laws::braids`, and independent of it on purpose: it knows the source and its frames, so it has to
+//! find neither a middle line nor a front, lets no crossing pass as undone, and measures each strand against each in full. What
+//! `laws` reads of the same braids is held against it (`laws.rs`).
 //!
 //! Guarantees: everything is measured on the strands only, as splines through their CVs with radii linear between CVs;
 //! an invalid word fails the calling test. Not promised: signs beside a fold of the source, where no point shows them.
@@ -192,18 +195,6 @@ pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
         }
     }
     (worst.sqrt(), touching as f32 / count as f32)
-}
-
-/// The largest ratio of neighbouring distances between CVs.
-pub(super) fn unevenness(strands: &Curves) -> f32 {
-    let mut worst = 1.0f32;
-    for (tuft, i) in strands.each() {
-        for w in tuft.curve(i).windows(3) {
-            let (a, b) = (w[0].distance(w[1]), w[1].distance(w[2]));
-            worst = worst.max(a / b).max(b / a);
-        }
-    }
-    worst
 }
 
 pub(super) fn carried(source: &[Vec3]) -> impl Fn(&[f32]) -> Vec<Frame> + use<> {

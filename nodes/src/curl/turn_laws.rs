@@ -1,7 +1,10 @@
-//! The laws of a curl's turns: number and handedness, which are skipped, reversed or Z-bends, how they stay in phase,
-//! and where along a hair they begin. Tests only.
+//! The laws of a curl's turns: their number and sense, which are skipped, turn back or bend in a Z, how they keep step, and where
+//! along a hair they begin. Tests only.
+//!
+//! Diameter and pitch are read by [`along_y`], independently of `laws::curls`: the axis is known here, and coils much wider than
+//! their pitch, which `laws` reads up to a tenth too steep without it, are to be as large as was said.
 
-use super::laws::{curled, hairs, lock, measured, one, pure, pure_but, straight, wound};
+use super::laws::{curled, hairs, lock, one, pure, pure_but, straight, wound};
 use crate::data::attributes::{CURL_DIAMETER, CURL_PITCH, Domain, ID};
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::shapes::Section;
@@ -37,6 +40,34 @@ fn radius(points: &[Vec3], low: f32, high: f32) -> f32 {
     (sum / gone).sqrt()
 }
 
+/// Diameter and pitch of a curl along Y, cm, from its points alone: turns by the angle about the line from end to end, the
+/// axis by the mean over one turn, the diameter by the distance from it in the root of the mean square.
+fn along_y(points: &[Vec3]) -> (f32, f32) {
+    let spline = Spline::new(points).unwrap();
+    // The part at full size.
+    let n = 1200;
+    let at = |k: usize| spline.at(0.2 + 0.75 * k as f32 / n as f32);
+    let samples: Vec<Vec3> = (0..=n).map(at).collect();
+    let middle = samples.iter().sum::<Vec3>() / samples.len() as f32;
+    let angle = |p: &Vec3| crate::maths::transcendental::atan2(p.z - middle.z, p.x - middle.x);
+    let mut turned = 0.0f32;
+    for pair in samples.windows(2) {
+        let step = (angle(&pair[1]) - angle(&pair[0])) / std::f32::consts::TAU;
+        turned += step - step.round();
+    }
+    let turns = turned.abs();
+    let reach = ((n as f32 / turns) * 0.5).round() as usize;
+    let (mut sum, mut count) = (0.0f32, 0);
+    for k in reach..=n - reach {
+        let around = &samples[k - reach..=k + reach];
+        let axis = around.iter().sum::<Vec3>() / around.len() as f32;
+        let off = samples[k] - axis;
+        sum += off.x * off.x + off.z * off.z;
+        count += 1;
+    }
+    (2.0 * (sum / count as f32).sqrt(), (samples[n].y - samples[0].y).abs() / turns)
+}
+
 #[test]
 fn a_curl_of_more_turns_than_its_points_show_is_drawn_larger_and_said_so() {
     let check = |preset: &str, length: f32, set: &[(&str, Value)], larger: (f32, f32)| {
@@ -44,7 +75,7 @@ fn a_curl_of_more_turns_than_its_points_show_is_drawn_larger_and_said_so() {
         let tuft = &curves.tufts()[0];
         let (mut wide, mut far) = (0.0, 0.0);
         for i in 0..tuft.len() {
-            let (d, p) = measured(tuft.curve(i));
+            let (d, p) = along_y(tuft.curve(i));
             assert!(tuft.curve(i).len() <= 255, "{preset}: {}", tuft.curve(i).len());
             wide += d / tuft.view(CURL_DIAMETER).at(i, 0) / tuft.len() as f32;
             far += p / tuft.view(CURL_PITCH).at(i, 0) / tuft.len() as f32;
@@ -67,7 +98,7 @@ fn a_curl_of_more_turns_than_its_points_show_is_drawn_larger_and_said_so() {
     let many = ("most_points", Value::Int(4000));
     let set = [&still[..], &[pitch(0.25), many]].concat();
     let (curves, said) = wound(&hairs(1, 20.0), "custom", &set);
-    let (d, p) = measured(curves.tufts()[0].curve(0));
+    let (d, p) = along_y(curves.tufts()[0].curve(0));
     assert!((d - 1.0).abs() < 0.05 && (p / 0.25 - 1.0).abs() < 0.03, "{d} {p}");
     assert!(!said.iter().any(|said| said.contains("larger") || said.contains("coarser")));
 }

@@ -177,44 +177,9 @@ fn try_again(
 }
 
 /// The sections that hair keeps to. (On a mesh without a map it is not led: fur lies over its lines.)
-fn leading(parted: &[Arc<Scalp>]) -> Vec<&Sections> {
+pub(crate) fn leading(parted: &[Arc<Scalp>]) -> Vec<&Sections> {
     let sections = parted.iter().filter_map(|scalp| scalp.sections());
     sections.filter(|sections| !sections.are_of_a_mesh()).collect()
-}
-
-/// Of every so many curves one, how many lead over a parting of the scalps `parted`, and how many were looked at. Hair of a braid
-/// counts up to where it joins that, hair that is held by a tie up to that. None where somebody asked to stop.
-pub fn over_partings(
-    curves: &Curves,
-    parted: &[Arc<Scalp>],
-    every: usize,
-    host: &dyn Host,
-) -> Option<[usize; 2]> {
-    let sections = leading(parted);
-    if sections.is_empty() {
-        return Some([0; 2]);
-    }
-    let land = Land { skin: None, sections: &sections };
-    let tufts = curves.tufts();
-    let starts: Vec<usize> = tufts
-        .iter()
-        .scan(0, |next, tuft| Some(std::mem::replace(next, *next + tuft.len())))
-        .collect();
-    let found = each(host, tufts.len(), |n| {
-        let tuft = &tufts[n];
-        let first = starts[n].next_multiple_of(every.max(1)) - starts[n];
-        let (mut over, mut looked) = (0, 0);
-        for i in (first..tuft.len()).step_by(every.max(1)).take_while(|_| !host.cancelled()) {
-            let points = tuft.curve(i);
-            let free = joins(tuft, i).or_else(|| passes_its_tie(tuft, i));
-            let until = free.map_or(points.len(), |last| last + 1);
-            over += usize::from(land.is_over_a_parting(&points[..until]));
-            looked += 1;
-        }
-        [over, looked]
-    })?;
-    let sum = |sum: [usize; 2], [over, looked]: [usize; 2]| [sum[0] + over, sum[1] + looked];
-    Some(found.into_iter().fold([0; 2], sum))
 }
 
 /// What curves keep clear of.
@@ -306,7 +271,7 @@ struct Mended {
 
 /// The last point of a hair on its way to its braid, where it is of one. The step to that is the braid's: it leads into the
 /// strand, and a braid may hang over partings.
-fn joins(tuft: &Tuft, i: usize) -> Option<usize> {
+pub(crate) fn joins(tuft: &Tuft, i: usize) -> Option<usize> {
     let along = tuft.view(a::ALONG);
     let points = tuft.range(i);
     let root = along.at(i, points.start);
@@ -318,7 +283,7 @@ fn joins(tuft: &Tuft, i: usize) -> Option<usize> {
 
 /// The last point of a hair before it passes the middle of its tie, where it is held by one and passes in its ring or a band's
 /// thickness (2 mm) beside it: behind that it hangs, over partings too.
-fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
+pub(crate) fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
     if tuft.curve(i).len() < 2 {
         return None;
     }
@@ -459,7 +424,7 @@ fn conformed(tuft: &Arc<Tuft>, looked: &Looked, leaves_astray: bool) -> Arc<Tuft
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::data::attributes::ID;
     use crate::eval::PlainHost;
@@ -515,13 +480,13 @@ mod tests {
     }
 
     /// `sin` and `cos` of 240ths of a turn, times `r`.
-    fn arc(k: i32, r: f32) -> (f32, f32) {
+    pub(crate) fn arc(k: i32, r: f32) -> (f32, f32) {
         let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k as f32 / 240.0);
         (sin * r, cos * r)
     }
 
     /// The ball with a parting over its top, along z.
-    fn parted_ball() -> [Arc<Scalp>; 1] {
+    pub(crate) fn parted_ball() -> [Arc<Scalp>; 1] {
         let ball = crate::data::scalp::tests::shared_ball();
         let points = (-50..=50).map(|k| {
             let (z, y) = arc(k, 8.9);
@@ -535,32 +500,6 @@ mod tests {
         };
         let (sections, _) = Sections::new(&ball, vec![line], &[]);
         [Arc::new(ball.parted(Arc::new(sections)))]
-    }
-
-    #[test]
-    fn hair_leads_over_a_parting_before_its_tie_and_not_behind() {
-        let hair: Vec<Vec3> = (-6..=6)
-            .map(|k| {
-                let (x, y) = arc(2 * k, 8.95);
-                Vec3::new(x, y, 0.1)
-            })
-            .collect();
-        let check = |tie: Vec3, radius: f32, over: usize| {
-            let mut b = TuftBuilder::new();
-            b.push_curve(&hair);
-            b.set(a::TIE, Domain::Curve, vec![tie]);
-            b.set(a::TIE_RADIUS, Domain::Curve, vec![radius]);
-            let curves = Curves::new(vec![Arc::new(b.build())]);
-            let found = over_partings(&curves, &parted_ball(), 1, &PlainHost).unwrap();
-            assert_eq!(found, [over, 1], "{tie} {radius}");
-        };
-        let before = hair[3] + Vec3::Y * 0.4;
-        check(before, 0.3, 0);
-        check(before + Vec3::Y, 0.3, 1);
-        check(hair[10], 0.3, 1);
-        check(before, 0.0, 1);
-        check(before, f32::NAN, 1);
-        check(Vec3::NAN, 0.3, 1);
     }
 
     #[test]

@@ -2,11 +2,12 @@
 
 use super::gather::NODE;
 use super::tie::Tie;
-use crate::data::attributes::{PUFF, ROOT_BARY, ROOT_TRIANGLE, TIE, TIE_RADIUS};
+use crate::data::attributes::{PUFF, TIE, TIE_RADIUS};
 use crate::data::curves::Curves;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, PlainHost};
+use crate::laws::{Hair, depth, roots};
 use crate::maths::hash::KeyBuilder;
 use crate::maths::transcendental::atan2;
 use crate::testing::{curves_of, run};
@@ -17,7 +18,7 @@ use std::f32::consts::TAU;
 fn gather(set: &[(&str, Value)]) -> (Curves, Vec<Tie>) {
     let (out, said) = run(&NODE, &[&[("scalp", shared_ball().into())], set].concat());
     assert!(said.is_empty(), "{said:?}");
-    let host = crate::eval::PlainHost;
+    let host = PlainHost;
     let log = crate::eval::Log::default();
     let cx = EvalCx::new(0, Default::default(), KeyBuilder::new("test").finish(), &host, &log);
     let ties = Tie::all(&cx, &shared_ball(), curves_of(&out[1]));
@@ -43,13 +44,11 @@ fn hair_is_rooted_stays_out_of_the_head_and_ends_in_its_tie() {
     for set in [&[few()], wild, high] {
         let (hair, ties) = gather(set);
         assert!(hair.curve_count() > 1000);
+        assert!(roots::off_their_places(&hair, &scalp) < 1e-5);
+        let deepest = depth::measure(&Hair::of(&hair, &PlainHost), &scalp).deepest_cm;
+        assert!(deepest < 1e-3, "{deepest}");
         for (tuft, i) in hair.each() {
             let points = tuft.curve(i);
-            let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0) as u32;
-            let bound = scalp.root(triangle, tuft.view(ROOT_BARY).at(i, 0)).point;
-            assert!(bound.distance(points[0]) < 1e-5);
-            let deepest = points.iter().map(|p| scalp.skin().distance(*p)).fold(1.0, f32::min);
-            assert!(deepest > -1e-3, "{deepest}");
             let tie = ties.iter().find(|t| t.id == tuft.view(PUFF).at(i, 0)).unwrap();
             assert!(tuft.view(TIE).at(i, 0).distance(tie.top()) < 1e-5);
             assert!((tuft.view(TIE_RADIUS).at(i, 0) - tie.radius).abs() < 1e-6);

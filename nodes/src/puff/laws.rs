@@ -3,14 +3,14 @@
 use super::sphere_puff::{DIPS, NODE};
 use crate::data::attributes::{Domain, ID};
 use crate::data::attributes::{
-    FIBRE, PARENT, PUFF, PUFF_CENTRE, PUFF_COVERAGE, PUFF_RADIUS, ROOT_BARY, ROOT_TRIANGLE,
-    SCALP_NORMAL,
+    FIBRE, PARENT, PUFF, PUFF_CENTRE, PUFF_COVERAGE, PUFF_RADIUS, SCALP_NORMAL,
 };
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::scalp::tests::ball;
 use crate::data::scalp::{HeadFrame, REGION, Root, Scalp};
 use crate::define::Value;
 use crate::eval::{Log, PlainHost, Quality};
+use crate::laws::{Hair, depth, outlines, roots};
 use crate::maths::closest::{Surface, tests::sphere};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::spline::Spline;
@@ -111,38 +111,17 @@ fn guides_keep_their_order() {
 
 #[test]
 fn the_fill_covers_the_sphere() {
-    let scalp = ball();
-    let (root, centre) = middle(&scalp);
     let (_, hair, _) = puff(&[("count", Value::Int(22_000))]);
     let curled = run(
         crate::by_id("shape_list_curl").unwrap(),
         &[("curves", hair.clone().into()), ("preset", "4a".into())],
     );
     for (what, hair) in [("straight", &hair), ("4a", curves_of(&curled.0[0]))] {
-        // Rings of 5 degrees divided into cells of equal area, as closely as integers allow.
-        let cells = |ring: usize| {
-            let area = cos(ring as f32 * PI / 36.0) - cos((ring + 1) as f32 * PI / 36.0);
-            (area * TAU / (PI / 36.0 * PI / 36.0)).round().max(1.0) as usize
-        };
-        let mut held = BTreeSet::new();
-        for (tuft, i) in hair.each() {
-            let far = |p: &&Vec3| p.distance(centre);
-            // Roots at the edge of the disc lie outside the sphere: the half that ends on it counts.
-            let points = tuft.curve(i).iter().skip(tuft.curve(i).len() / 2);
-            let outermost = points.max_by(|a, b| far(a).total_cmp(&far(b))).unwrap();
-            if (outermost.distance(centre) / 6.0 - 1.0).abs() <= 0.03 {
-                let d = (outermost - centre).normalize();
-                let ring = (acos(d.dot(root.normal)) * 36.0 / PI) as usize;
-                let right = any_normal(root.normal);
-                let azimuth = atan2(d.dot(right), d.dot(root.normal.cross(right))) / TAU;
-                let cell = (azimuth.rem_euclid(1.0) * cells(ring) as f32) as usize;
-                held.insert((ring, cell));
-            }
-        }
-        // Rings whose outer border is 5 degrees or more inside 140 degrees.
-        let asked: usize = (0..27).map(cells).sum();
-        let held = held.iter().filter(|(ring, _)| *ring < 27).count();
-        assert!(held as f32 >= 0.95 * asked as f32, "{what}: {held} of {asked}");
+        let found = outlines::measure(&Hair::of(hair, &PlainHost)).unwrap();
+        println!("{what}: {found:?}");
+        // Rings whose far border lies 5 degrees or more inside what was asked.
+        assert!(found.can_be_judged() && found.asked == Some(140.0), "{what}: {found:?}");
+        assert!(found.are_clean() && found.coverage > 135.0, "{what}: {found:?}");
     }
 }
 
@@ -176,15 +155,12 @@ fn each_placement_has_its_puff_and_hair_is_bound_and_outside() {
     assert_eq!((guides.curve_count(), hair.curve_count()), (192, 1000));
     assert_eq!(said, ["a placement without a root was left out (curve 0000000000000009)"]);
     let scalp = ball();
-    let skin = scalp.skin();
+    assert!(roots::off_their_places(&hair, &scalp) < 1e-3);
+    assert!(depth::measure(&Hair::of(&hair, &PlainHost), &scalp).deepest_cm < 1e-3);
     let parents: BTreeSet<u64> = guides.each().map(|(tuft, i)| tuft.id(i)).collect();
     for (tuft, i) in hair.each() {
         let points = tuft.curve(i);
-        let triangle = tuft.view(ROOT_TRIANGLE).at(i, 0) as u32;
-        let root = scalp.root(triangle, tuft.view(ROOT_BARY).at(i, 0));
-        assert!(root.point.distance(points[0]) < 1e-3);
         assert!(parents.contains(&tuft.view(PARENT).at(i, 0)));
-        assert!(points.iter().all(|p| skin.distance(*p) > -1e-3));
         let length = Spline::new(points).unwrap().length();
         assert!((tuft.view(FIBRE).at(i, 0) * 0.25 / length - 1.0).abs() < 0.02);
     }

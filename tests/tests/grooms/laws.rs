@@ -1,4 +1,7 @@
 //! Laws of methods.md on whole grooms, on the built-in head and on real ones, measured on what was written.
+//!
+//! That guides of a puff end on one sphere is read here alone: the sphere is found in their tips, where `coif measure` takes the one
+//! that the file tells.
 
 use coif_nodes::formats::usd::read::ReadCurves;
 use coif_tests::{Folder, curves_in, eval, run, smooth_heads};

@@ -1,12 +1,12 @@
 //! What became of a groom on another head, in numbers. The fields are a contract: `docs/fit.md` has them.
 
 use super::super::carry_out::Stop;
-use super::super::measure::depth;
 use coif_graphs::document::NodeId;
-use coif_nodes::data::attributes::ALLOW_DEPTH;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::eval::PlainHost;
 use coif_nodes::formats::export;
+use coif_nodes::laws::{Hair, depth};
 use glam::Vec3;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -206,21 +206,12 @@ fn under_the_skin(
     scalp: &Scalp,
     check: &dyn Fn() -> Result<(), Stop>,
 ) -> Result<(usize, f32), Stop> {
-    let skin = scalp.skin();
     let (mut inside, mut deepest) = (0, 0f32);
     for tuft in curves.tufts() {
         check()?;
-        let allowed = tuft.view(ALLOW_DEPTH);
-        for i in 0..tuft.len() {
-            let first = tuft.range(i).start;
-            let mut is_deep = false;
-            for (k, p) in tuft.curve(i).iter().enumerate() {
-                let depth = depth::depth(scalp, &skin, *p);
-                deepest = deepest.max(depth);
-                is_deep |= depth > allowed.at(i, first + k) + 1e-3;
-            }
-            inside += usize::from(is_deep);
-        }
+        let one = Curves::new(vec![tuft.clone()]);
+        let found = depth::measure(&Hair::of(&one, &PlainHost), scalp);
+        (inside, deepest) = (inside + found.curves, deepest.max(found.deepest_cm));
     }
     Ok((inside, deepest))
 }

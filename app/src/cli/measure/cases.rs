@@ -1,5 +1,6 @@
 //! Small files with the right figures, worked out by hand: every basis and wrap, widths of every interpolation, what is wrong or marked.
 
+use super::report::{DEEPER, Measured, ROOTED};
 use super::*;
 use coif_nodes::maths::transcendental::{cos, sin};
 use std::f32::consts::TAU;
@@ -7,9 +8,14 @@ use std::f32::consts::TAU;
 /// What is measured of a file of this text.
 #[track_caller]
 fn measured(text: &str) -> Vec<Measured> {
+    measured_on(text, None)
+}
+
+#[track_caller]
+fn measured_on(text: &str, scalp: Option<&Scalp>) -> Vec<Measured> {
     let text = format!("#usda 1.0\n{text}");
     let nothing = &mut |_: &str| Err("there is nothing beside it".to_owned());
-    measure(&read_stage(text.as_bytes(), "file.usda", nothing).unwrap(), None)
+    measure(&read_stage(text.as_bytes(), "file.usda", nothing).unwrap(), scalp, &PlainHost)
 }
 
 /// A prim of one curve: type or basis, wrap, points, and more.
@@ -31,14 +37,14 @@ fn curve(basis: &str, wrap: &str, points: &[[f32; 3]], more: &str) -> String {
 #[track_caller]
 fn check(basis: &str, wrap: &str, points: &[[f32; 3]], length: f32, low: [f32; 3], high: [f32; 3]) {
     let found = measured(&curve(basis, wrap, points, "")).remove(0);
-    assert_eq!(found.no_curve, 0);
+    assert_eq!(found.strands.no_curve, 0);
     let near = |a: f32, b: f32| (a - b).abs() <= 1e-4 * b.abs().max(1.0);
     assert!(
-        near(found.length_cm[1], length),
+        near(found.strands.length_cm[1], length),
         "{basis} {wrap}: {} is not {length}",
-        found.length_cm[1]
+        found.strands.length_cm[1]
     );
-    let [lo, hi] = found.bounds.unwrap();
+    let [lo, hi] = found.strands.bounds.unwrap();
     // The box is that of points no farther apart than a thousandth from the curve.
     let near = |a: [f32; 3], b: [f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() <= 1.1e-3);
     assert!(near(lo, low) && near(hi, high), "{basis} {wrap}: {lo:?} {hi:?}");
@@ -128,7 +134,7 @@ fn only_catmull_rom_curves_have_two_readings() {
     let check = |basis: &str, wrap: &str, expected: Option<bool>| {
         let found = measured(&curve(basis, wrap, &bent, "")).remove(0);
         assert_eq!(found.laws.get(law).copied(), expected, "{basis} {wrap}");
-        assert_eq!(found.reading_difference_cm.is_some(), expected.is_some());
+        assert_eq!(found.strands.reading_difference_cm.is_some(), expected.is_some());
     };
     for wrap in ["nonperiodic", "periodic", "pinned"] {
         check("catmullRom", wrap, Some(false));
@@ -147,10 +153,13 @@ fn only_catmull_rom_curves_have_two_readings() {
 fn counts_that_make_no_curve_are_told() {
     let check = |basis: &str, wrap: &str, n: usize, counts: &str| {
         let found = measured(&curve(basis, wrap, &up(0.0, n), "")).remove(0);
-        assert_eq!((found.no_curve, found.notes.len()), (1, 1), "{basis} {wrap} {n}");
+        assert_eq!((found.strands.no_curve, found.notes.len()), (1, 1), "{basis} {wrap} {n}");
         assert!(found.notes[0].contains(counts), "{}", found.notes[0]);
         assert!(!found.laws["every curve has two points and a length"]);
-        assert_eq!(found.bounds.is_some(), basis == "linear" && n > 0 && wrap != "periodic");
+        assert_eq!(
+            found.strands.bounds.is_some(),
+            basis == "linear" && n > 0 && wrap != "periodic"
+        );
     };
     for n in 0..2 {
         check("linear", "nonperiodic", n, "2 or more");
@@ -176,11 +185,11 @@ fn widths_of_every_interpolation_count_and_primvars_win() {
     let check = |more: &str, expected: Option<[f32; 2]>| {
         let found = measured(&curve("bspline", "nonperiodic", &up(0.0, 4), more)).remove(0);
         let near = |a: [f32; 2], b: [f32; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-6);
-        let same = match (found.width_cm, expected) {
+        let same = match (found.strands.width_cm, expected) {
             (Some(a), Some(b)) => near(a, b),
             (a, b) => a == b,
         };
-        assert!(same, "{more}: {:?}", found.width_cm);
+        assert!(same, "{more}: {:?}", found.strands.width_cm);
         assert_eq!(
             found.notes.is_empty(),
             expected.is_some() || more.is_empty(),
@@ -222,7 +231,7 @@ fn one_bad_curve_or_prim_does_not_hide_the_others() {
     let good = curve("linear", "pinned", &up(0.0, 3), "");
     let check = |bad: &str, curves: &[usize], why: &str| {
         let found = measured(&format!("{good}\n{bad}"));
-        assert_eq!(found.iter().map(|m| m.curves).collect::<Vec<_>>(), curves, "{bad}");
+        assert_eq!(found.iter().map(|m| m.strands.curves).collect::<Vec<_>>(), curves, "{bad}");
         let told = &found[0].left_out;
         assert!(told.len() == 1 && told[0].broken && told[0].path == "/two", "{}", told.len());
         assert!(told[0].reason.contains(why), "{}", told[0].reason);
@@ -233,7 +242,10 @@ fn one_bad_curve_or_prim_does_not_hide_the_others() {
     check(&nan, &[1, 1], "curve 1 was left out: its point 0 is (NaN, 0, 0)");
     // Columns lose the values of the curve too.
     let found = measured(&nan).remove(0);
-    assert_eq!((found.width_cm, found.repeated_ids, found.points), (Some([1.0, 2.0]), Some(0), 2));
+    assert_eq!(
+        (found.strands.width_cm, found.repeated_ids, found.strands.points),
+        (Some([1.0, 2.0]), Some(0), 2)
+    );
     check(&two("(0, 0, 0), (0, 4, 0)", "3", ""), &[1], "count 3 points, but there are 2");
     check(&two("(0, 0, 0)", "-1, 2", ""), &[1], "curve 0 has -1 points");
     check(&two("(0, 0, 0)", "2147483647, 2147483647", ""), &[1], "4294967294 points");
@@ -256,8 +268,12 @@ fn what_is_read_otherwise_than_the_file_says_is_told() {
         let hair = curve("linear", "pinned", &up(0.0, 3), more);
         let text = format!("#usda 1.0\n({layer})\n{hair}");
         let stage = read_stage(text.as_bytes(), "file.usda", nothing).unwrap();
-        let found = measure(&stage, None).remove(0);
-        assert!((found.length_cm[1] - 2.0).abs() < 1e-5, "{more}: {}", found.length_cm[1]);
+        let found = measure(&stage, None, &PlainHost).remove(0);
+        assert!(
+            (found.strands.length_cm[1] - 2.0).abs() < 1e-5,
+            "{more}: {}",
+            found.strands.length_cm[1]
+        );
         let json = serde_json::to_string(&found).unwrap();
         let words = words::in_words(&found)
             + &found.left_out.iter().map(NotRead::in_words).collect::<String>();
@@ -309,7 +325,11 @@ fn lengths_beyond_all_measure_are_told() {
     let long = |y: f32| curve("linear", "pinned", &[[0.0; 3], [0.0, y, 0.0]], "");
     // 1e15 and twice that, whose squares are no more than 4e30.
     let found = measured(&curve("linear", "pinned", &[[0.0, -1e15, 0.0], [0.0, 1e15, 0.0]], ""));
-    assert!((found[0].length_cm[1] / 2e15 - 1.0).abs() < 1e-5, "{}", found[0].length_cm[1]);
+    assert!(
+        (found[0].strands.length_cm[1] / 2e15 - 1.0).abs() < 1e-5,
+        "{}",
+        found[0].strands.length_cm[1]
+    );
     let found = measured(&format!("{good} {}", long(2e19).replace("\"hair\"", "\"long\"")));
     assert_eq!(found.len(), 1);
     let told = &found[0].left_out[0];
@@ -347,10 +367,7 @@ fn hair_that_dives_between_its_points_is_found() {
     let at = |x: f32| [about.x + x, about.y, about.z];
     // From one side of the head to the other, straight through it: its middle is deep, its ends are not.
     let text = curve("linear", "pinned", &[at(-30.0), at(30.0)], "");
-    let text = format!("#usda 1.0\n{text}");
-    let nothing = &mut |_: &str| Err(String::new());
-    let stage = read_stage(text.as_bytes(), "file.usda", nothing).unwrap();
-    let found = measure(&stage, Some(&scalp)).remove(0).scalp.unwrap();
+    let found = measured_on(&text, Some(&scalp)).remove(0).scalp.unwrap().depth;
     assert_eq!(found.too_deep, 1);
     assert!(found.deepest_cm > 3.0, "{}", found.deepest_cm);
 }
@@ -376,4 +393,34 @@ fn an_id_that_curves_of_two_prims_have_breaks_the_law_of_both() {
     assert_eq!(shared, [Some(1), Some(1), None, Some(0)]);
     let law: Vec<_> = found.iter().map(|m| m.laws.get("ids do not repeat").copied()).collect();
     assert_eq!(law, [Some(false), Some(false), None, Some(true)]);
+}
+
+#[test]
+fn limits_of_points_are_laws() {
+    let found = measured(&curve("catmullRom", "pinned", &up(0.0, 300), "")).remove(0);
+    assert!(!found.laws["a strand has at most 255 points"]);
+    assert!(found.laws["all hair has at most 16 million points"]);
+}
+
+#[test]
+fn the_built_in_head_can_be_named() {
+    let scalp = read_scalp(&PathBuf::from(BUILT_IN)).unwrap();
+    let root = scalp.closest_root(glam::Vec3::Y * 20.0).unwrap();
+    let above = |height: f32| (root.point + root.normal * height).to_array();
+    let on = |from: f32, to: f32, more: &str| {
+        let text = curve("catmullRom", "pinned", &[above(from), above(to)], more);
+        measured_on(&text, Some(&scalp)).remove(0)
+    };
+    assert!(on(0.0, 1.0, "").laws[ROOTED] && on(0.0, 1.0, "").laws[DEEPER]);
+    let under = on(0.0, -1.0, "");
+    assert!(under.laws[ROOTED] && !under.laws[DEEPER]);
+    assert_eq!(under.scalp.unwrap().depth.too_deep, 1);
+    // A band grows from its braid; hair that tells its place on the skin is judged by it.
+    let law = |tells: &[&str]| {
+        let tells = tells.iter().map(|name| format!("int[] primvars:{name} = [7]"));
+        on(1.0, 2.0, &tells.collect::<Vec<_>>().join(" ")).laws.get(ROOTED).copied()
+    };
+    assert_eq!(law(&["clumpId"]), None);
+    assert_eq!(law(&["clumpId", "skinprim"]), Some(false));
+    assert_eq!(law(&[]), Some(false));
 }

@@ -1,14 +1,15 @@
 //! What was measured, in words.
 
 use super::super::report::rounded;
-use super::Measured;
+use super::report::{Braids, Measured, OnScalp, crossing, factor};
 use coif_nodes::formats::usd::form::Form;
 
 pub(super) fn in_words(m: &Measured) -> String {
     let f = |x: f32| rounded(f64::from(x));
+    let s = &m.strands;
     let mut text = format!(
         "{}: {} curves, {} points ({} to {} a curve)\n",
-        m.path, m.curves, m.points, m.points_a_curve[0], m.points_a_curve[1]
+        m.path, s.curves, s.points, s.points_a_curve[0], s.points_a_curve[1]
     );
     if !m.visible {
         text += "  invisible: renderers leave it out\n";
@@ -19,9 +20,9 @@ pub(super) fn in_words(m: &Measured) -> String {
     if m.form != Form::COIF.to_string() {
         text += &format!("  {}\n", m.form);
     }
-    let [lo, mid, hi] = m.length_cm.map(f);
+    let [lo, mid, hi] = s.length_cm.map(f);
     text += &format!("  length {lo} to {hi} cm, middle {mid}\n");
-    if let Some([lo, hi]) = m.width_cm {
+    if let Some([lo, hi]) = s.width_cm {
         text += &format!("  width {lo} to {hi} cm\n");
     }
     for (count, text_of) in [
@@ -32,12 +33,12 @@ pub(super) fn in_words(m: &Measured) -> String {
             text += &format!("  {count} curves {text_of}\n");
         }
     }
-    text += &format!("  neighbouring segments at most {} : 1", f(m.spacing_ratio));
-    text += &match m.reading_difference_cm {
+    text += &format!("  neighbouring segments at most {} : 1", f(s.spacing_ratio));
+    text += &match s.reading_difference_cm {
         Some(difference) => format!(", readings differ by {difference} cm\n"),
         None => "\n".to_owned(),
     };
-    if let Some(b) = &m.braids {
+    if let Some(Braids { found: b, joined }) = &m.braids {
         let of = if b.tubes { "strands" } else { "strands of hair" };
         text += &format!(
             "  {} braids of {} {of} in all, closest approach {} of touching\n",
@@ -49,7 +50,12 @@ pub(super) fn in_words(m: &Measured) -> String {
             let weave = k.weave.map_or("no weave".to_owned(), |m| format!("weave {m}"));
             text += &format!(
                 "    {}: {} strands, {weave}, ({})^stitches, crossing {}, {} to {} stitches\n",
-                k.braids, k.strands, k.factor, k.crossing, k.stitches[0], k.stitches[2]
+                k.braids,
+                k.strands,
+                factor(k),
+                crossing(k),
+                k.stitches[0],
+                k.stitches[2]
             );
         }
         if let Some([lo, mid, hi]) = b.height_cm.map(|h| h.map(f)) {
@@ -59,7 +65,7 @@ pub(super) fn in_words(m: &Measured) -> String {
             text +=
                 &format!("    strands come to {lo} cm of the skin, middle {mid}, at most {hi}\n");
         }
-        if let Some(j) = &b.joined {
+        if let Some(j) = joined {
             let [lo, mid, hi] = j.a_stitch;
             text += &format!(
                 "    {} hairs join at {} stitches ({lo} to {hi} each, middle {mid}; {} between are empty), {} fed in, {} \
@@ -138,10 +144,10 @@ pub(super) fn in_words(m: &Measured) -> String {
             f(t.off[1])
         );
     }
-    if let Some(s) = &m.scalp {
+    if let Some(OnScalp { roots, depth }) = &m.scalp {
         text += &format!(
             "  roots {} cm from the scalp (middle), {} at most; {} points too deep, deepest {} cm\n",
-            s.root_distance_cm[0], s.root_distance_cm[1], s.too_deep, s.deepest_cm
+            roots.distance_cm[0], roots.distance_cm[1], depth.too_deep, depth.deepest_cm
         );
     }
     for note in &m.notes {

@@ -6,40 +6,45 @@
 //! hair, for which it is asked (a wave's is its height over the root of 2, as methods.md 4 has it); pitch: length of the axis
 //! for a turn; shrinkage: what the axis is shorter than the hair.
 
-use super::prim::{Column, Prim, in_parts, quantile};
-use coif_nodes::data::attributes::CURL_MIDDLE;
-use coif_nodes::maths::frame::carry;
-use coif_nodes::maths::spline::Spline;
-use coif_nodes::maths::transcendental::atan2;
+use super::hair::{Column, Hair, quantile};
+use crate::data::attributes::CURL_MIDDLE;
+use crate::maths::frame::carry;
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::atan2;
 use glam::{Vec2, Vec3};
-use serde::Serialize;
 
-#[derive(Serialize)]
-pub(super) struct Curls {
+/// Curls of hair.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curls {
     /// Hairs that were asked to curl.
-    pub(super) curled: usize,
+    pub curled: usize,
     /// Hairs measured, spread evenly over them; those with fewer than two and a half turns tell nothing.
-    pub(super) measured: usize,
+    pub measured: usize,
     /// Measured over asked: of 5 % of the hairs at most, the middle, of 95 % at most.
-    pub(super) diameter_ratio: [f32; 3],
-    pub(super) pitch_ratio: [f32; 3],
-    pub(super) shrinkage_ratio: Option<[f32; 3]>,
-    /// The middle of what was measured: cm, cm, and 0 to 1.
-    pub(super) diameter_cm: f32,
-    pub(super) pitch_cm: f32,
-    pub(super) shrinkage: f32,
+    pub diameter_ratio: [f32; 3],
+    /// The same of pitches.
+    pub pitch_ratio: [f32; 3],
+    /// The same of shrinkage; none where nothing tells what was asked.
+    pub shrinkage_ratio: Option<[f32; 3]>,
+    /// The middle of the diameters measured, cm.
+    pub diameter_cm: f32,
+    /// The middle of the pitches measured, cm.
+    pub pitch_cm: f32,
+    /// The middle of the shrinkages measured, 0 to 1.
+    pub shrinkage: f32,
 }
 
 /// The most hairs that are measured.
 const MOST: usize = 2000;
 
-pub(super) fn measure(prim: &Prim) -> Option<Curls> {
-    let (diameter, pitch) = (prim.numbers("curl_diameter")?, prim.numbers("curl_pitch")?);
-    let shrinkage = prim.numbers("shrinkage");
-    let asked = |column: &Column<f32>, i: usize| column.at(i, prim.range(i).start);
-    let curled: Vec<usize> = (0..prim.len())
+/// How the curls of hair are, and how they were asked; none where none was asked to curl.
+pub fn measure(hair: &Hair) -> Option<Curls> {
+    let (diameter, pitch) = (hair.numbers("curl_diameter")?, hair.numbers("curl_pitch")?);
+    let shrinkage = hair.numbers("shrinkage");
+    let asked = |column: &Column<f32>, i: usize| column.at(i, hair.range(i).start);
+    let curled: Vec<usize> = (0..hair.len())
         .filter(|i| {
-            prim.curve(*i).len() > 3 && asked(&diameter, *i) > 0.0 && asked(&pitch, *i) > 0.0
+            hair.curve(*i).len() > 3 && asked(&diameter, *i) > 0.0 && asked(&pitch, *i) > 0.0
         })
         .collect();
     if curled.is_empty() {
@@ -47,15 +52,16 @@ pub(super) fn measure(prim: &Prim) -> Option<Curls> {
     }
     let every = curled.len().div_ceil(MOST);
     let chosen: Vec<usize> = curled.iter().copied().step_by(every).collect();
-    let found: Vec<(usize, Curl)> = in_parts(chosen.len(), 50, |part| {
-        let curl = |k: usize| {
-            let mut spline = Spline::default();
-            prim.spline(chosen[k], &mut spline).ok()?;
-            Some((chosen[k], Curl::of(&spline, prim.curve(chosen[k]).len())?))
-        };
-        part.filter_map(curl).collect::<Vec<_>>()
-    })
-    .concat();
+    let found: Vec<(usize, Curl)> = hair
+        .in_parts(chosen.len(), 50, |part| {
+            let curl = |k: usize| {
+                let mut spline = Spline::default();
+                hair.spline(chosen[k], &mut spline).ok()?;
+                Some((chosen[k], Curl::of(&spline, hair.curve(chosen[k]).len())?))
+            };
+            part.filter_map(curl).collect::<Vec<_>>()
+        })
+        .concat();
     let spread = |value: &dyn Fn(&(usize, Curl)) -> Option<f32>| {
         let mut all: Vec<f32> = found.iter().filter_map(value).collect();
         all.sort_by(f32::total_cmp);
@@ -66,8 +72,8 @@ pub(super) fn measure(prim: &Prim) -> Option<Curls> {
         measured: found.len(),
         diameter_ratio: spread(&|(i, c)| Some(c.diameter / asked(&diameter, *i))),
         pitch_ratio: spread(&|(i, c)| Some(c.pitch / asked(&pitch, *i))),
-        shrinkage_ratio: shrinkage.map(|s| {
-            spread(&|(i, c)| Some(c.shrinkage / asked(&s, *i)).filter(|_| asked(&s, *i) > 0.02))
+        shrinkage_ratio: shrinkage.as_ref().map(|s| {
+            spread(&|(i, c)| Some(c.shrinkage / asked(s, *i)).filter(|_| asked(s, *i) > 0.02))
         }),
         diameter_cm: spread(&|(_, c)| Some(c.diameter))[1],
         pitch_cm: spread(&|(_, c)| Some(c.pitch))[1],
@@ -80,17 +86,14 @@ const JUDGED: usize = 20;
 
 impl Curls {
     /// Whether so many hairs turn often enough to be measured that all can be judged by them.
-    pub(super) fn can_be_judged(&self) -> bool {
+    pub fn can_be_judged(&self) -> bool {
         self.measured >= JUDGED.min(self.curled) && self.measured > 0
     }
-    /// Whether the middle of each figure is within `share` of what was asked.
-    pub(super) fn as_asked(&self, share: f32) -> [(&'static str, bool); 3] {
+    /// Whether the middle of diameters, of pitches and of shrinkages is within `share` of what was asked.
+    pub fn are_as_asked(&self, share: f32) -> [bool; 3] {
         let near = |ratio: [f32; 3]| (ratio[1] - 1.0).abs() <= share;
-        [
-            ("curl diameters are as asked to 5 %", near(self.diameter_ratio)),
-            ("curl pitches are as asked to 5 %", near(self.pitch_ratio)),
-            ("shrinkage is as told to 5 %", self.shrinkage_ratio.is_none_or(near)),
-        ]
+        let shrinkage = self.shrinkage_ratio.is_none_or(near);
+        [near(self.diameter_ratio), near(self.pitch_ratio), shrinkage]
     }
 }
 
@@ -294,7 +297,7 @@ fn turns(at: &[Vec3], axis: &[Vec3], turn: f32) -> (Vec<f32>, bool) {
     let tangent =
         |k: usize| (axis[(k + 1).min(n - 1)] - axis[k.saturating_sub(1)]).normalize_or_zero();
     let mut before = tangent(0);
-    let mut normal = coif_nodes::maths::frame::any_normal(before);
+    let mut normal = crate::maths::frame::any_normal(before);
     let mut last: Option<Vec2> = None;
     let (mut angle, mut gone) = (0.0f32, Vec2::ZERO);
     // How far round up to each sample, one way less the other and both together.
@@ -331,6 +334,7 @@ fn turns(at: &[Vec3], axis: &[Vec3], turn: f32) -> (Vec<f32>, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::transcendental::{cos, sin, sin_cos};
 
     fn of(points: &[Vec3]) -> Option<Curl> {
         Curl::of(&Spline::new(points).ok()?, points.len())
@@ -343,9 +347,9 @@ mod tests {
         (0..=n)
             .map(|k| {
                 let turn = k as f32 / per_turn;
-                let (s, c) = (turn * std::f32::consts::TAU).sin_cos();
+                let (s, c) = sin_cos(turn * std::f32::consts::TAU);
                 let along = turn * pitch * bend;
-                let (sb, cb) = along.sin_cos();
+                let (sb, cb) = sin_cos(along);
                 let out = Vec3::new(cb, sb, 0.0);
                 let radius = 0.5 * diameter * (2.0 * turn).min(1.0);
                 out * (1.0 / bend + radius * c) + Vec3::Z * (radius * s)
@@ -410,7 +414,7 @@ mod tests {
     fn a_wave_measures_its_height_times_the_root_of_two() {
         let wave = |k: usize| {
             let turn = k as f32 / 16.0;
-            Vec3::new((turn * std::f32::consts::TAU).sin() * 0.7, -5.0 * turn, 0.0)
+            Vec3::new(sin(turn * std::f32::consts::TAU) * 0.7, -5.0 * turn, 0.0)
         };
         let points: Vec<Vec3> = (0..=100).map(wave).collect();
         let curl = of(&points).unwrap();
@@ -424,7 +428,7 @@ mod tests {
         let mut angle = 0.0f32;
         for k in 0..400 {
             angle += if (k / 60) % 2 == 0 { 0.5 } else { -0.5 };
-            points.push(Vec3::new(0.25 * angle.cos(), -0.05 * k as f32, 0.25 * angle.sin()));
+            points.push(Vec3::new(0.25 * cos(angle), -0.05 * k as f32, 0.25 * sin(angle)));
         }
         let curl = of(&points).unwrap();
         let pitch = 0.05 * std::f32::consts::TAU / 0.5;
@@ -439,8 +443,7 @@ mod tests {
                 hand = -hand;
             }
             points.push(
-                Vec3::new(angle.cos(), 0.0, angle.sin()) * 0.25
-                    - Vec3::Y * (pitch * k as f32 / 24.0),
+                Vec3::new(cos(angle), 0.0, sin(angle)) * 0.25 - Vec3::Y * (pitch * k as f32 / 24.0),
             );
             angle += hand * std::f32::consts::TAU / 24.0;
         }

@@ -1,4 +1,4 @@
-//! Points on the curves of a prim whose own points are not on them: B-splines, Beziers, closed curves, and Catmull-Rom curves whose
+//! Points on curves of a file whose own points are not on them: B-splines, Beziers, closed curves, and Catmull-Rom curves whose
 //! first and last points only bend them.
 //!
 //! Guarantees: straight lines between neighbouring points are nowhere farther than [`NEAR`] from the curve, unless a span bends so
@@ -6,8 +6,9 @@
 //! [`MOST_OF_A_CURVE`]. Between two points the curve
 //! itself is known, exactly. A curve of which there is none, for its count of points or numbers beyond all bounds, has no points.
 
-use super::prim::in_parts;
-use coif_nodes::formats::usd::form::{Blend, Form, value};
+use super::hair::in_parts;
+use crate::eval::Host;
+use crate::formats::usd::form::{Blend, Form, value};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -17,7 +18,7 @@ const NEAR: f32 = 1e-3;
 const MOST_PIECES: usize = 32;
 /// The most points of a curve, as long as it has no more spans.
 const MOST_OF_A_CURVE: usize = 65_536;
-/// The most points of all curves of a prim, as long as a span has no more than one piece.
+/// The most points of all curves, as long as a span has no more than one piece.
 const MOST: usize = 16_000_000;
 
 /// Where a point lies: on which span of its curve, and how far along that from 0 to 1. Only a curve's last point is at 1.
@@ -39,7 +40,12 @@ pub(super) struct Drawn {
 
 impl Drawn {
     /// Of curves whose points lie at these offsets; none where the points of the file are on the curve, and all there is to it.
-    pub(super) fn of(form: Form, points: &[Vec3], offsets: &[usize]) -> Option<Self> {
+    pub(super) fn of(
+        form: Form,
+        points: &[Vec3],
+        offsets: &[usize],
+        host: &dyn Host,
+    ) -> Option<Self> {
         if form.passes_its_points() {
             return None;
         }
@@ -54,7 +60,7 @@ impl Drawn {
         while near < 1e3 * NEAR && all(near) > MOST {
             near *= 4.0;
         }
-        let parts = in_parts(n, 500, |part| {
+        let parts = in_parts(host, n, 500, |part| {
             let (mut counts, mut at, mut places) = (vec![], vec![], vec![]);
             for i in part {
                 let first = places.len();
@@ -124,7 +130,7 @@ impl Drawn {
         value(self.form.span(of_curve, span as usize), t)
     }
 
-    /// What `varying` values of the prim are at a point of curve `curve`.
+    /// What `varying` values are at a point of curve `curve`.
     pub(super) fn varying<T: Blend>(&self, values: &[T], curve: usize, point: usize) -> T {
         let Place { span, t } = self.places[point];
         let of_curve = &values[self.varying[curve]..self.varying[curve + 1]];

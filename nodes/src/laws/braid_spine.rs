@@ -1,14 +1,14 @@
-//! Which way a braid of a file faces along its length, and what is seen of it from there: its sections and their word.
+//! Which way a braid faces along its length, and what is seen of it from there: its sections and their word.
 //!
-//! The front is told by the file, or at the beginning alone by the skin or by the normals of the scalp at the roots. Where
+//! The front is told with the hair, or at the beginning alone by the skin or by the normals of the scalp at the roots. Where
 //! it is not told it is found: a word read along a front that is never told is that of the braid but for front and back.
 
-use super::prim::{Column, Prim, quantile};
-use super::strands::{Braid, Section};
-use super::word::Word;
-use coif_nodes::data::scalp::Scalp;
-use coif_nodes::maths::frame::{across, any_normal, carry};
-use coif_nodes::maths::transcendental::{atan2, cos, sin, sin_cos};
+use super::braid_strands::{Braid, Section};
+use super::braid_words::Word;
+use super::hair::{Column, Hair, quantile};
+use crate::data::scalp::Scalp;
+use crate::maths::frame::{across, any_normal, carry};
+use crate::maths::transcendental::{atan2, cos, sin, sin_cos};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -100,11 +100,11 @@ impl Spine {
         Self { at, fronts: carried(&tangents), tangents }
     }
 
-    /// What tells the front, zero where nothing does: the file; else the skin where the braid begins, or the normal of
+    /// What tells the front, zero where nothing does: the hair; else the skin where the braid begins, or the normal of
     /// the scalp at its roots.
     pub(super) fn told(
         &self,
-        prim: &Prim,
+        hair: &Hair,
         braid: &Braid,
         scalp: Option<&Scalp>,
         root_front: Option<&Column<Vec3>>,
@@ -121,7 +121,7 @@ impl Spine {
             let skin = self.at[..n.div_ceil(20)].iter().filter_map(below).sum::<Vec3>();
             let roots = braid.curves.iter().flatten();
             let root = root_front.map_or(Vec3::ZERO, |column| {
-                roots.map(|i| column.at(*i, prim.range(*i).start)).sum::<Vec3>()
+                roots.map(|i| column.at(*i, hair.range(*i).start)).sum::<Vec3>()
             });
             told[0] = if skin == Vec3::ZERO { root } else { skin };
         }
@@ -267,9 +267,9 @@ fn half(section: &[Vec2]) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::word::Crossing;
+    use super::super::braid_words::Crossing;
     use super::*;
-    use coif_nodes::maths::transcendental::exp;
+    use crate::maths::transcendental::exp;
     use std::f32::consts::PI;
 
     /// Ten stitches of a braid under a front that turns by `turn` (radians) at a share of its length, 2 wide and `high` deep,
@@ -290,10 +290,10 @@ mod tests {
         let fronts = carried(&tangents);
         let strand = |i: usize| {
             let section = |k: usize| {
-                let (sin, cos) = turn(share(k)).sin_cos();
+                let (sin, cos) = sin_cos(turn(share(k)));
                 let right = tangents[k].cross(fronts[k]);
                 let c = (0.013 + share(k) * 10.0 / 3.0 + i as f32 / 3.0) * TAU;
-                let p = shape(share(k), Vec2::new(c.sin(), 0.5 * high * (2.0 * c).sin()));
+                let p = shape(share(k), Vec2::new(sin_cos(c).0, 0.5 * high * sin_cos(2.0 * c).0));
                 let (front, right) = (fronts[k] * cos - right * sin, right * cos + fronts[k] * sin);
                 Section { middle: at[k] + right * p.x + front * p.y, ..Section::default() }
             };

@@ -1,27 +1,27 @@
-//! The word of a braid: which neighbours cross in which order, and which of the two is in front (methods.md 2).
+//! Braid words: which neighbours cross in which order, and which of the two is in front (methods.md 2).
 //!
 //! Strands are seen along the braid, `x` to the side and `y` to the front. `s1` is the pair farthest left; `s1` stands for a
 //! crossing in which the strand that goes right is in front, `s1^-1` for one in which it is behind. In a weave every pair
 //! crosses always the same way and neighbouring pairs take turns: up to exchange of commuting generators and rotation
 //! such a word is (one stitch's factor)^stitches.
 
-use coif_nodes::maths::transcendental::sin;
+use crate::maths::transcendental::sin;
 use glam::Vec2;
 
 /// What the crossings of one braid say.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Word {
+pub struct Word {
     /// For each pair from the left: whether the strand that goes right is in front.
-    pub(super) signs: Vec<bool>,
+    pub signs: Vec<bool>,
     /// Crossings of the pair that crosses most.
-    pub(super) stitches: usize,
+    pub stitches: usize,
     /// Crossings that break the pattern: the other way round, or out of turn.
-    pub(super) faults: usize,
+    pub faults: usize,
 }
 
 /// How strands cross at the outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Crossing {
+pub enum Crossing {
     /// The strand that goes inward is behind on both sides: cornrow, Dutch braid.
     Under,
     /// It is in front on both sides: English and French braid.
@@ -32,7 +32,7 @@ pub(super) enum Crossing {
 
 impl Word {
     /// Reads `samples` sections of a braid of `n` strands from its root on; none where nothing crosses.
-    pub(super) fn read(n: usize, samples: &[Vec<Vec2>]) -> Option<Self> {
+    pub fn read(n: usize, samples: &[Vec<Vec2>]) -> Option<Self> {
         let crossings = crossings(n, samples);
         let mut signs = vec![];
         let (mut faults, mut stitches) = (0, 0);
@@ -59,7 +59,7 @@ impl Word {
     }
 
     /// How strands cross at the outside, `y` being away from the scalp.
-    pub(super) fn crossing(&self) -> Crossing {
+    pub fn crossing(&self) -> Crossing {
         match (self.signs.first(), self.signs.last()) {
             (Some(false), Some(true)) => Crossing::Under,
             (Some(true), Some(false)) => Crossing::Over,
@@ -67,16 +67,9 @@ impl Word {
         }
     }
 
-    /// One stitch's factor, in the order from the left.
-    pub(super) fn factor(&self) -> String {
-        let one =
-            |(p, front): (usize, &bool)| format!("s{}{}", p + 1, if *front { "" } else { "^-1" });
-        self.signs.iter().enumerate().map(one).collect::<Vec<_>>().join(" ")
-    }
-
     /// The frequency of the weave with this factor, seen from in front or, mirrored, from either hand; none where there
     /// is none.
-    pub(super) fn weave(&self) -> Option<usize> {
+    pub fn weave(&self) -> Option<usize> {
         let n = self.signs.len() + 1;
         let turned: Vec<bool> = self.signs.iter().map(|s| !s).collect();
         (1..n).find(|m| {
@@ -159,6 +152,7 @@ fn crossings(n: usize, samples: &[Vec<Vec2>]) -> Vec<(usize, Option<bool>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::transcendental::cos;
 
     /// `stitches` stitches of the weave (n, m); `depth` -1 swaps front and back, `side` -1 left and right.
     fn weave(n: usize, m: usize, stitches: f32, depth: f32, side: f32) -> Vec<Vec<Vec2>> {
@@ -168,8 +162,8 @@ mod tests {
                 let strand = |i: usize| {
                     let turns = 0.013 + k as f32 / (20 * n) as f32 + i as f32 / n as f32;
                     let c = turns * std::f32::consts::TAU;
-                    let y = if m % 2 == 1 { (m as f32 * c).cos() } else { (m as f32 * c).sin() };
-                    Vec2::new(side * c.sin(), depth * y)
+                    let y = if m % 2 == 1 { cos(m as f32 * c) } else { sin(m as f32 * c) };
+                    Vec2::new(side * sin(c), depth * y)
                 };
                 (0..n).map(strand).collect()
             })
@@ -177,21 +171,21 @@ mod tests {
     }
 
     #[track_caller]
-    fn check(n: usize, m: usize, depth: f32, factor: &str, crossing: Crossing) {
+    fn check(n: usize, m: usize, depth: f32, signs: &[bool], crossing: Crossing) {
         let word = Word::read(n, &weave(n, m, 10.0, depth, 1.0)).unwrap();
-        assert_eq!((word.factor().as_str(), word.crossing()), (factor, crossing), "({n}, {m})");
+        assert_eq!((&word.signs[..], word.crossing()), (signs, crossing), "({n}, {m})");
         assert_eq!((word.faults, word.weave()), (0, Some(m)), "({n}, {m})");
         assert!(word.stitches.abs_diff(10) <= 1, "({n}, {m}): {} of 10", word.stitches);
     }
 
     #[test]
     fn words_of_the_method_are_read_from_sections() {
-        check(3, 2, 1.0, "s1^-1 s2", Crossing::Under);
-        check(3, 2, -1.0, "s1 s2^-1", Crossing::Over);
-        check(4, 3, 1.0, "s1^-1 s2 s3^-1", Crossing::Either);
-        check(5, 2, 1.0, "s1^-1 s2^-1 s3 s4", Crossing::Under);
-        check(5, 4, -1.0, "s1^-1 s2 s3^-1 s4", Crossing::Under);
-        check(2, 1, 1.0, "s1", Crossing::Either);
+        check(3, 2, 1.0, &[false, true], Crossing::Under);
+        check(3, 2, -1.0, &[true, false], Crossing::Over);
+        check(4, 3, 1.0, &[false, true, false], Crossing::Either);
+        check(5, 2, 1.0, &[false, false, true, true], Crossing::Under);
+        check(5, 4, -1.0, &[false, true, false, true], Crossing::Under);
+        check(2, 1, 1.0, &[true], Crossing::Either);
     }
 
     #[test]

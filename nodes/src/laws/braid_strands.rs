@@ -1,4 +1,4 @@
-//! The strands of the braids in a file: centre lines, thickness and front, from tubes or from the hair they are made of.
+//! The strands of braids: centre lines, thickness and front, from tubes or from the hair they are made of.
 //!
 //! A braid is what has one `braid` number, a strand what has one `strand` number in it. A strand of one curve with a `radius` is
 //! a tube and taken as it is. Of a strand of many hairs the middle counts, and the disc that would spread as they do; a
@@ -6,9 +6,9 @@
 //! not. A strand begins where it has a twentieth of its hair. What tells the front is `normal` at each point, or
 //! `braid_front`, the front where a hair joins: each hair knows it for the place where it does.
 
-use super::prim::{Column, Prim, in_parts};
-use coif_nodes::data::scalp::Skin;
-use coif_nodes::maths::spline::{Place, Spline};
+use super::hair::{Column, Hair};
+use crate::data::scalp::Skin;
+use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub(super) struct Braid {
     /// Whether its strands are single tubes, whose radii were made to touch.
     pub(super) tubes: bool,
     pub(super) strands: Vec<Vec<Section>>,
-    /// Curves of each hair or tube: their numbers in the prim.
+    /// Curves of each hair or tube: their numbers among all.
     pub(super) curves: Vec<Vec<usize>>,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Braid {
 pub(super) struct Section {
     pub(super) middle: Vec3,
     pub(super) radius: f32,
-    /// Front of the braid as the file tells it; zero where it does not.
+    /// Front of the braid as it is told; zero where it is not.
     pub(super) front: Vec3,
     /// How near the hair comes to the skin, cm; none for tubes and far from it.
     pub(super) gap: Option<f32>,
@@ -43,28 +43,28 @@ const AS_JOINED: f32 = 0.015;
 /// The share of hairs that counts, nearest to the middle first.
 const COUNTS: f32 = 0.8;
 
-/// All braids of a prim, by number.
-pub(super) fn braids(prim: &Prim, skin: Option<&Skin>) -> Vec<Braid> {
-    let (Some(braid), Some(strand)) = (prim.whole("braid"), prim.whole("strand")) else {
+/// All braids, by number.
+pub(super) fn braids(hair: &Hair, skin: Option<&Skin>) -> Vec<Braid> {
+    let (Some(braid), Some(strand)) = (hair.whole("braid"), hair.whole("strand")) else {
         return vec![];
     };
     let mut members: BTreeMap<i64, BTreeMap<i64, Vec<usize>>> = BTreeMap::new();
-    for i in (0..prim.len()).filter(|i| braid[*i] != 0 && prim.curve(*i).len() > 1) {
+    for i in (0..hair.len()).filter(|i| braid[*i] != 0 && hair.curve(*i).len() > 1) {
         members.entry(braid[i]).or_default().entry(strand[i]).or_default().push(i);
     }
     let members: Vec<BTreeMap<i64, Vec<usize>>> =
         members.into_values().filter(|strands| strands.len() > 1).collect();
-    let radius = prim.numbers("radius");
+    let radius = hair.numbers("radius");
     let columns = Columns {
-        along: prim.numbers("along").filter(Column::is_of_points),
-        tied: prim.numbers("tied"),
-        normal: prim.vectors("normal").filter(Column::is_of_points),
-        joins: prim.vectors("braid_front"),
-        stitch: prim.whole("stitch"),
+        along: hair.numbers("along").filter(Column::is_of_points),
+        tied: hair.numbers("tied"),
+        normal: hair.vectors("normal").filter(Column::is_of_points),
+        joins: hair.vectors("braid_front"),
+        stitch: hair.whole("stitch"),
         radius: radius.filter(Column::is_of_points),
         skin,
     };
-    in_parts(members.len(), 1, |part| columns.braid(prim, &members[part.start]))
+    hair.in_parts(members.len(), 1, |part| columns.braid(hair, &members[part.start]))
         .into_iter()
         .flatten()
         .collect()
@@ -81,7 +81,7 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    fn braid(&self, prim: &Prim, members: &BTreeMap<i64, Vec<usize>>) -> Option<Braid> {
+    fn braid(&self, hair: &Hair, members: &BTreeMap<i64, Vec<usize>>) -> Option<Braid> {
         let curves: Vec<Vec<usize>> = members.values().cloned().collect();
         let tubes = curves.iter().all(|c| c.len() == 1) && self.radius.is_some();
         // Stitch curves, for one, have the number of their braid too.
@@ -89,13 +89,13 @@ impl Columns<'_> {
             return None;
         }
         let strands: Vec<Vec<Option<Section>>> = if tubes {
-            let most = curves.iter().map(|c| prim.curve(c[0]).len()).max()?;
-            let each = |c: &Vec<usize>| self.tube(prim, c[0], most * 8);
+            let most = curves.iter().map(|c| hair.curve(c[0]).len()).max()?;
+            let each = |c: &Vec<usize>| self.tube(hair, c[0], most * 8);
             curves.iter().map(each).collect::<Option<_>>()?
         } else {
             // All strands at the same places, however long the ways of their hair are.
-            let longest = curves.iter().flatten().map(|i| prim.curve(*i).len()).max()?;
-            curves.iter().map(|c| self.bundle(prim, c, longest)).collect()
+            let longest = curves.iter().flatten().map(|i| hair.curve(*i).len()).max()?;
+            curves.iter().map(|c| self.bundle(hair, c, longest)).collect()
         };
         // The longest run of places at which all strands are there.
         let n = strands.iter().map(Vec::len).min()?;
@@ -113,13 +113,13 @@ impl Columns<'_> {
         (best.len() > 8).then_some(Braid { tubes, strands, curves })
     }
 
-    fn tube(&self, prim: &Prim, curve: usize, count: usize) -> Option<Vec<Option<Section>>> {
-        let points = prim.curve(curve);
-        let first = prim.range(curve).start;
+    fn tube(&self, hair: &Hair, curve: usize, count: usize) -> Option<Vec<Option<Section>>> {
+        let points = hair.curve(curve);
+        let first = hair.range(curve).start;
         let mut spline = Spline::default();
-        prim.spline(curve, &mut spline).ok()?;
+        hair.spline(curve, &mut spline).ok()?;
         let last = spline.span_count() - 1;
-        let along = |k: usize| match self.along {
+        let along = |k: usize| match &self.along {
             Some(along) => along.at(curve, first + k),
             None => k as f32 / points.len() as f32,
         };
@@ -132,14 +132,14 @@ impl Columns<'_> {
             }
             let (a, b) = (along(span), along(span + 1));
             let t = if b > a { ((u - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
-            let radius = self.radius.map_or(0.0, |r| {
+            let radius = self.radius.as_ref().map_or(0.0, |r| {
                 let (a, b) = (r.at(curve, first + span), r.at(curve, first + span + 1));
                 a + (b - a) * t
             });
             Some(Section {
                 middle: spline.point(Place { span, t }),
                 radius,
-                front: self.normal.map_or(Vec3::ZERO, |n| n.at(curve, first + span)),
+                front: self.normal.as_ref().map_or(Vec3::ZERO, |n| n.at(curve, first + span)),
                 gap: None,
             })
         };
@@ -147,7 +147,7 @@ impl Columns<'_> {
     }
 
     /// The middle of many hairs of at most `longest` points at even places along them.
-    fn bundle(&self, prim: &Prim, curves: &[usize], longest: usize) -> Vec<Option<Section>> {
+    fn bundle(&self, hair: &Hair, curves: &[usize], longest: usize) -> Vec<Option<Section>> {
         let mut chosen = curves.to_vec();
         if let Some(stitch) = &self.stitch {
             chosen.sort_by_key(|i| (stitch[*i], *i));
@@ -157,7 +157,7 @@ impl Columns<'_> {
         // Hairs that are all sampled at the same places are best taken there.
         let count = if self.along.is_some() { (2 * longest).clamp(64, 510) } else { longest };
         let hairs: Vec<Vec<(f32, Vec3, Vec3)>> =
-            chosen.iter().map(|i| self.hair(prim, *i)).collect();
+            chosen.iter().map(|i| self.hair(hair, *i)).collect();
         let mut at = vec![0; hairs.len()];
         let mut here = vec![];
         let fewest = (hairs.len() / A_STRAND).max(FEWEST);
@@ -182,19 +182,19 @@ impl Columns<'_> {
     }
 
     /// Points of a hair from where it has joined: fraction along the braid, place, front.
-    fn hair(&self, prim: &Prim, curve: usize) -> Vec<(f32, Vec3, Vec3)> {
-        let (points, first) = (prim.curve(curve), prim.range(curve).start);
-        if let Some(along) = self.along {
+    fn hair(&self, hair: &Hair, curve: usize) -> Vec<(f32, Vec3, Vec3)> {
+        let (points, first) = (hair.curve(curve), hair.range(curve).start);
+        if let Some(along) = &self.along {
             let at = |k: usize| along.at(curve, first + k);
             let joined = at(0);
             let mut last = joined;
-            let tied = self.tied.map_or(1.0, |tied| tied.at(curve, first));
+            let tied = self.tied.as_ref().map_or(1.0, |tied| tied.at(curve, first));
             let rises = |k: &usize| {
                 let more = at(*k) > last && at(*k) <= tied;
                 last = last.max(at(*k));
                 more
             };
-            let front = |k: usize| match (self.normal, self.joins) {
+            let front = |k: usize| match (&self.normal, &self.joins) {
                 (Some(normal), _) => normal.at(curve, first + k),
                 (None, Some(joins)) if at(k) < joined + AS_JOINED => joins.at(curve, first + k),
                 _ => Vec3::ZERO,
@@ -202,7 +202,7 @@ impl Columns<'_> {
             let rising: Vec<usize> = (0..points.len()).filter(rises).collect();
             return rising.into_iter().map(|k| (at(k), points[k], front(k))).collect();
         }
-        let front = |k: usize| self.normal.map_or(Vec3::ZERO, |n| n.at(curve, first + k));
+        let front = |k: usize| self.normal.as_ref().map_or(Vec3::ZERO, |n| n.at(curve, first + k));
         let length: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
         let mut s = 0.0;
         (0..points.len())

@@ -1,56 +1,58 @@
-//! How clean the outline of puffs is: how far out hairs reach in every direction, against the radius that the file says their
-//! outline has there: the same for all hairs of a sphere, each hair's own for an ellipsoid, a mesh or a drawn outline.
+//! Outlines of puffs: how far out hairs reach in every direction, against the radius that they are told to have there: the same for all hairs of a sphere, each hair's own for an ellipsoid, a mesh or a drawn outline.
 //!
 //! Directions from the middle of a puff are cut into cells of equal area, 5 degrees wide, and each hair counts in the cell
 //! of its outermost point. A cell is clean that holds a hair which ends at the outline (methods.md 5), as long as no more than a
-//! tenth of its hairs, or one, stand over it: single hairs do so at every puff, and make no outline. Where the file says that an
+//! tenth of its hairs, or one, stand over it: single hairs do so at every puff, and make no outline. Where an
 //! edge was asked for that is not clean, it may be so: tips deeper as the chances are of so many hairs, over it as far as it is
 //! soft, and twice the share of strays. Rings of cells about the axis away from the head belong to the outline as long as most of
 //! their cells are filled to it; one ring further in, nearly all must be clean. How large a cap is filled is set against the
-//! coverage that the file says was asked for, 12 degrees less; where it says none, it has to go down to 60 degrees. A puff of too
+//! coverage that was asked for, 12 degrees less; where none is told, it has to go down to 60 degrees. A puff of too
 //! few hairs is not judged.
 
-use super::prim::Prim;
-use coif_nodes::maths::transcendental::{acos, atan2, sin};
+use super::hair::Hair;
+use crate::maths::transcendental::{acos, atan2, sin};
 use glam::Vec3;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f32::consts::{PI, TAU};
 
-#[derive(Serialize)]
-pub(super) struct Puffs {
-    pub(super) puffs: usize,
-    pub(super) hairs: usize,
+/// Puffs with an outline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Puffs {
+    /// How many.
+    pub puffs: usize,
+    /// Hairs of all puffs.
+    pub hairs: usize,
     /// Hairs of the puff with the fewest.
-    pub(super) fewest: usize,
-    pub(super) radius_cm: [f32; 2],
+    pub fewest: usize,
+    /// Smallest and largest radius that is told, cm.
+    pub radius_cm: [f32; 2],
     /// Degrees from its top down to which a cap as large as what is filled of the outline goes: the puff that lacks the most of
     /// what was asked, or has the least.
-    pub(super) coverage: f32,
-    /// What was asked of that puff; null where the file does not tell.
-    pub(super) asked: Option<f32>,
-    /// How ragged it was asked to be; all 0 where the file does not tell.
-    pub(super) edge: Edge,
+    pub coverage: f32,
+    /// What was asked of that puff; none where nothing tells it.
+    pub asked: Option<f32>,
+    /// How ragged it was asked to be; all 0 where nothing tells it.
+    pub edge: Edge,
     /// Hairs in the mean in a cell within the coverage: the puff with the fewest.
-    pub(super) a_cell: f32,
+    pub a_cell: f32,
     /// Share of cells within the coverage that are clean to 3 % of the radius: the worst puff.
-    pub(super) within: f32,
+    pub within: f32,
     /// Distance of the outline from that hair of a cell which comes closest, as a share of its radius: 95 % of the cells
     /// have less.
-    pub(super) deviation: f32,
+    pub deviation: f32,
     /// Share of hairs that stand over the outline by more than 3 %: the puff with the most.
-    pub(super) over: f32,
+    pub over: f32,
 }
 
 /// What was asked of an outline that need not be clean.
-#[derive(Clone, Copy, Default, PartialEq, Serialize)]
-pub(super) struct Edge {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Edge {
     /// By how much deeper the innermost tips end than the outermost, as a share of the radius.
-    pub(super) deeper: f32,
+    pub deeper: f32,
     /// How far tips may lie beside it, cm.
-    pub(super) beside_cm: f32,
+    pub beside_cm: f32,
     /// Share of hairs that may stand over it.
-    pub(super) over: f32,
+    pub over: f32,
 }
 
 /// Width of a cell, radians.
@@ -58,30 +60,35 @@ const CELL: f32 = PI / 36.0;
 const RINGS: usize = 36;
 /// Fewer hairs than this for each cell of the sphere make no outline: of 3, a cell in 20 is empty by chance.
 const JUDGED: f32 = 5.0;
-/// Degrees from the axis to which an outline must go at least where the file does not tell what was asked.
+/// Degrees from the axis to which an outline must go at least where nothing tells what was asked.
 const LEAST: f32 = 60.0;
 /// Degrees that may lack of what was asked: hair is pressed on the head, and cells are whole.
 const LACKS: f32 = 12.0;
 
 impl Puffs {
     /// Whether each puff has hair enough to tell its outline.
-    pub(super) fn can_be_judged(&self) -> bool {
+    pub fn can_be_judged(&self) -> bool {
         self.fewest as f32 >= JUDGED * 4.0 * PI / (CELL * CELL)
     }
+    /// Whether the outlines are as clean as asked, and go down as far.
+    pub fn are_clean(&self) -> bool {
+        self.within >= 0.95 && self.are_covered()
+    }
     /// Whether each puff goes down as far as was asked.
-    pub(super) fn is_covered(&self) -> bool {
+    pub fn are_covered(&self) -> bool {
         self.coverage >= self.asked.map_or(LEAST, |asked| asked - LACKS)
     }
 }
 
-pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
-    let puff = prim.whole("puff")?;
-    let (centre, radius) = (prim.vectors("puff_centre")?, prim.numbers("puff_radius")?);
-    let coverage = prim.numbers("puff_coverage");
-    let edge = prim.vectors("puff_edge");
+/// The outlines of puffs; none where there are none.
+pub fn measure(hair: &Hair) -> Option<Puffs> {
+    let puff = hair.whole("puff")?;
+    let (centre, radius) = (hair.vectors("puff_centre")?, hair.numbers("puff_radius")?);
+    let coverage = hair.numbers("puff_coverage");
+    let edge = hair.vectors("puff_edge");
     let mut members: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-    for i in (0..prim.len()).filter(|i| puff[*i] != 0 && !prim.curve(*i).is_empty()) {
-        if radius.at(i, prim.range(i).start) > 0.0 {
+    for i in (0..hair.len()).filter(|i| puff[*i] != 0 && !hair.curve(*i).is_empty()) {
+        if radius.at(i, hair.range(i).start) > 0.0 {
             members.entry(puff[i]).or_default().push(i);
         }
     }
@@ -99,26 +106,27 @@ pub(super) fn measure(prim: &Prim) -> Option<Puffs> {
         over: 0.0,
     };
     for (k, hairs) in members.values().enumerate() {
-        let first = prim.range(hairs[0]).start;
+        let first = hair.range(hairs[0]).start;
         let middle = centre.at(hairs[0], first);
-        let root = hairs.iter().map(|i| prim.curve(*i)[0]).sum::<Vec3>() / hairs.len() as f32;
+        let root = hairs.iter().map(|i| hair.curve(*i)[0]).sum::<Vec3>() / hairs.len() as f32;
         let away = (middle - root).normalize_or(Vec3::Y);
         // The root, which may lie beside the sphere, is no part of the outline.
         let outermost = hairs.iter().filter_map(|i| {
-            let curve = prim.curve(*i);
+            let curve = hair.curve(*i);
             let far = |p: &&Vec3| p.distance_squared(middle);
             let point = curve[curve.len() / 2..].iter().max_by(|a, b| far(a).total_cmp(&far(b)))?;
-            Some((*point, radius.at(*i, prim.range(*i).start)))
+            Some((*point, radius.at(*i, hair.range(*i).start)))
         });
         let of = |edge: Vec3| Edge { deeper: edge.x, beside_cm: edge.y, over: edge.z };
         let told = edge.as_ref().map(|edge| edge.at(hairs[0], first));
         let edge = told.filter(|told| told.is_finite()).map_or(Edge::default(), of);
         let outline = Outline::of(outermost, middle, away, edge);
         for i in hairs {
-            let r = radius.at(*i, prim.range(*i).start);
+            let r = radius.at(*i, hair.range(*i).start);
             out.radius_cm = [out.radius_cm[0].min(r), out.radius_cm[1].max(r)];
         }
-        let asked = coverage.map(|asked| asked.at(hairs[0], first)).filter(|asked| *asked > 0.0);
+        let asked =
+            coverage.as_ref().map(|asked| asked.at(hairs[0], first)).filter(|asked| *asked > 0.0);
         let lacks = |asked: Option<f32>, found: f32| asked.unwrap_or(LEAST + LACKS) - found;
         if k == 0 || lacks(asked, outline.coverage) > lacks(out.asked, out.coverage) {
             (out.asked, out.coverage, out.edge) = (asked, outline.coverage, edge);
@@ -216,7 +224,7 @@ impl Outline {
             coverage: acos(1.0 - 2.0 * full).to_degrees(),
             a_cell: hairs / n,
             within: sum(&|cell| usize::from(cell.is_clean(edge))) / n,
-            deviation: super::prim::quantile(&all, 0.95),
+            deviation: super::hair::quantile(&all, 0.95),
             over: sum(&|cell| cell.over) / hairs.max(1.0),
         }
     }
@@ -224,7 +232,11 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
+    use super::super::hair::tests::read_of;
     use super::*;
+    use crate::eval::PlainHost;
+    use crate::formats::usd::read::ReadValues;
+    use crate::maths::transcendental::{cos, sin_cos};
 
     /// Points on a sphere of 5 cm up to `degrees` from its top, as far out as `far` says of each direction.
     fn sphere(degrees: f32, far: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
@@ -232,11 +244,11 @@ mod tests {
         (0..n)
             .map(|k| {
                 let y = 1.0 - 2.0 * (k as f32 + 0.5) / n as f32;
-                let (s, c) = (k as f32 * 2.399_963_2).sin_cos();
+                let (s, c) = sin_cos(k as f32 * 2.399_963_2);
                 let flat = (1.0 - y * y).sqrt();
                 Vec3::new(s * flat, y, c * flat)
             })
-            .filter(|d| d.y > degrees.to_radians().cos())
+            .filter(|d| d.y > cos(degrees.to_radians()))
             .map(|d| Vec3::ONE + d * far(d))
             .collect()
     }
@@ -258,8 +270,7 @@ mod tests {
         let dent = outline(&sphere(120.0, |d| if d.x > 0.8 { 4.7 } else { 5.0 }));
         assert!((0.8..0.95).contains(&dent.within), "{}", dent.within);
         assert!((dent.deviation - 0.06).abs() < 0.005, "{}", dent.deviation);
-        let ragged =
-            outline(&sphere(120.0, |d| 5.0 + 0.4 * (d.x * 40.0).sin() * (d.z * 33.0).sin()));
+        let ragged = outline(&sphere(120.0, |d| 5.0 + 0.4 * sin(d.x * 40.0) * sin(d.z * 33.0)));
         assert!(ragged.within < 0.8, "{}", ragged.within);
     }
 
@@ -281,8 +292,6 @@ mod tests {
     }
 
     fn judged_with(every: usize, asked: Option<f32>, edge: Option<Vec3>) -> Puffs {
-        use super::super::tests::prim_of;
-        use coif_nodes::formats::usd::read::ReadValues;
         let foot = Vec3::ONE - Vec3::Y * 5.0;
         let hairs: Vec<[Vec3; 2]> =
             sphere(120.0, |_| 5.0).iter().step_by(every).map(|p| [foot, *p]).collect();
@@ -294,7 +303,7 @@ mod tests {
         ];
         primvars.extend(asked.map(|asked| ("puff_coverage", ReadValues::Float(vec![asked]))));
         primvars.extend(edge.map(|edge| ("puff_edge", ReadValues::Float3(vec![edge]))));
-        measure(&Prim::new(&prim_of(&hairs, &primvars))).unwrap()
+        measure(&Hair::read(&read_of(&hairs, &primvars), &PlainHost)).unwrap()
     }
 
     #[test]
@@ -316,7 +325,7 @@ mod tests {
     fn an_outline_is_judged_against_the_coverage_that_was_asked() {
         for (asked, covered) in [(Some(120.0), true), (Some(160.0), false), (None, true)] {
             let found = judged(1, asked);
-            assert_eq!((found.asked, found.is_covered()), (asked, covered), "{}", found.coverage);
+            assert_eq!((found.asked, found.are_covered()), (asked, covered), "{}", found.coverage);
         }
     }
 

@@ -1,43 +1,42 @@
-//! Hair and partings: hairs that cross one, hairs rooted in one, hairs of each section.
+//! Partings: hairs that cross one, and hairs rooted in one.
 //!
-//! Partings are the curves of a file with a `parting` number, mostly guides; their `radius` is half the parting's width and
+//! [`Partings`] are read from hair alone. Where the parted scalp itself is at hand, [`over_lines`] asks its map, and looks at as much
+//! hair as it is asked to: that is for what warns while a groom is written.
+//!
+//! Partings are curves with a `parting` number, mostly guides; their `radius` is half the parting's width and
 //! their `scalp_normal` the way off the skin. A hair can cross a parting only where it lies on the scalp: from its root until it
-//! is farther off the skin than [`ON`], has joined a braid or has passed the tie that holds it, behind which it hangs. Where
+//! is farther off the skin than 0.25 cm, has joined a braid or has passed the tie that holds it, behind which it hangs. Where
 //! `along` is told point by point a hair has joined where that begins to grow; the step that leads into its strand is the
 //! braid's, which may be wider than its section.
 
-use super::prim::{Column, Prim, in_parts, quantile};
+use super::hair::{Column, Hair, in_parts};
 use super::ties::Held;
+use crate::data::curves::Curves;
+use crate::data::scalp::Scalp;
+use crate::data::sections::Sections;
+use crate::eval::Host;
+use crate::formats::conform::{joins as joins_its_braid, leading, passes_its_tie};
 use glam::Vec3;
-use serde::Serialize;
 use std::cmp::Ordering;
 use std::ops::Range;
+use std::sync::Arc;
 
-#[derive(Serialize)]
-pub(super) struct Parted {
-    /// Partings in the file, all prims together.
-    pub(super) partings: usize,
+/// How hair keeps to partings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parted {
+    /// Partings, of all that tell some together.
+    pub partings: usize,
     /// Half their width, cm: smallest and largest.
-    pub(super) half_width_cm: [f32; 2],
-    /// Hairs of this prim that cross one on the scalp.
-    pub(super) crossing: usize,
-    /// Hairs of this prim that are rooted nearer to one than half its width.
-    pub(super) rooted_in: usize,
-}
-
-/// Hair of each section.
-#[derive(Serialize)]
-pub(super) struct BySection {
-    pub(super) sections: usize,
-    /// Hairs that belong to none.
-    pub(super) without: usize,
-    /// Fewest, middle and most hairs of a section.
-    pub(super) hairs: [usize; 3],
+    pub half_width_cm: [f32; 2],
+    /// Hairs that cross one on the scalp.
+    pub crossing: usize,
+    /// Hairs that are rooted nearer to one than half its width.
+    pub rooted_in: usize,
 }
 
 /// Hair farther off the skin than this, cm, passes over a parting; it does not cross it.
 const ON: f32 = 0.25;
-/// Hair of a braid whose file does not tell where it joins counts as far as this, cm.
+/// Hair of a braid that does not tell where it joins counts as far as this, cm.
 const TO_ITS_BRAID: f32 = 1.0;
 /// A root this little (cm) within a parting's width is rounding.
 const ROUNDING: f32 = 0.005;
@@ -51,8 +50,8 @@ struct Piece {
     half: f32,
 }
 
-/// All partings of a file, found by place.
-pub(super) struct Partings {
+/// All partings, found by place.
+pub struct Partings {
     count: usize,
     half: [f32; 2],
     pieces: Vec<Piece>,
@@ -64,24 +63,25 @@ pub(super) struct Partings {
 const CELL: f32 = 0.5;
 
 impl Partings {
-    /// The partings of all prims; none where there are none.
-    pub(super) fn of(prims: &[Prim]) -> Option<Self> {
+    /// The partings among all these curves; none where there are none.
+    pub fn of(all: &[Hair]) -> Option<Self> {
         let mut pieces = vec![];
         let mut ids = vec![];
-        for prim in prims {
-            let Some(parting) = prim.whole("parting") else { continue };
-            let (radius, normal) = (prim.numbers("radius"), prim.vectors("scalp_normal"));
-            for i in (0..prim.len()).filter(|i| parting[*i] != 0) {
+        for hair in all {
+            let Some(parting) = hair.whole("parting") else { continue };
+            let (radius, normal) = (hair.numbers("radius"), hair.vectors("scalp_normal"));
+            for i in (0..hair.len()).filter(|i| parting[*i] != 0) {
                 ids.push(parting[i]);
-                let first = prim.range(i).start;
-                for (k, w) in prim.curve(i).windows(2).enumerate() {
-                    let up =
-                        normal.map_or(Vec3::ZERO, |n| n.at(i, first + k) + n.at(i, first + k + 1));
+                let first = hair.range(i).start;
+                for (k, w) in hair.curve(i).windows(2).enumerate() {
+                    let up = normal
+                        .as_ref()
+                        .map_or(Vec3::ZERO, |n| n.at(i, first + k) + n.at(i, first + k + 1));
                     pieces.push(Piece {
                         from: w[0],
                         to: w[1],
                         up: up.normalize_or_zero(),
-                        half: radius.map_or(0.0, |r| r.at(i, first + k)),
+                        half: radius.as_ref().map_or(0.0, |r| r.at(i, first + k)),
                     });
                 }
             }
@@ -139,23 +139,23 @@ impl Partings {
         cell.iter().map(|n| &self.pieces[*n as usize])
     }
 
-    /// How the hair of a prim keeps to them.
-    pub(super) fn judge(&self, prim: &Prim) -> Parted {
-        let joined = prim.numbers("along").filter(Column::is_of_points);
-        let braid = prim.whole("braid");
-        let tied = Held::of(prim);
-        let parts = in_parts(prim.len(), 1000, |part| {
+    /// How hair keeps to them.
+    pub fn judge(&self, hair: &Hair) -> Parted {
+        let joined = hair.numbers("along").filter(Column::is_of_points);
+        let braid = hair.whole("braid");
+        let tied = Held::of(hair);
+        let parts = hair.in_parts(hair.len(), 1000, |part| {
             let (mut crossing, mut rooted_in) = (0, 0);
             for i in part {
-                let points = prim.curve(i);
+                let points = hair.curve(i);
                 let Some(root) = points.first() else { continue };
                 rooted_in +=
                     usize::from(self.near(*root).any(|p| p.distance(*root) < p.half - ROUNDING));
                 let braided = braid.as_ref().is_some_and(|b| b[i] != 0);
-                let held = tied.as_ref().and_then(|tied| tied.until(prim, i));
+                let held = tied.as_ref().and_then(|tied| tied.until(hair, i));
                 let mut s = 0.0;
-                let until = match joined {
-                    Some(along) if braided => joins(along, i, prim.range(i)),
+                let until = match &joined {
+                    Some(along) if braided => joins(along, i, hair.range(i)),
                     _ => points.len(),
                 };
                 for w in points.windows(2).take(until) {
@@ -193,7 +193,7 @@ impl Partings {
 }
 
 /// How many steps a hair of a braid takes before the one that leads into its strand, by where it is `along` its braid.
-fn joins(along: Column<f32>, i: usize, points: Range<usize>) -> usize {
+fn joins(along: &Column<f32>, i: usize, points: Range<usize>) -> usize {
     let root = along.at(i, points.start);
     // What is no number says nothing of a braid: such a hair is judged to its end.
     let grows = |k: usize| along.at(i, k).partial_cmp(&root) == Some(Ordering::Greater);
@@ -222,31 +222,56 @@ impl Piece {
     }
 }
 
-/// Hairs of each section of a prim; none where the file tells no sections.
-pub(super) fn by_section(prim: &Prim) -> Option<BySection> {
-    let mut section = prim.whole("section")?;
-    section.sort_unstable();
-    let without = section.iter().filter(|s| **s == 0).count();
-    let sizes = section.chunk_by(|a, b| a == b).filter(|c| c[0] != 0).map(<[i64]>::len);
-    let mut sizes: Vec<f32> = sizes.map(|n| n as f32).collect();
-    sizes.sort_by(f32::total_cmp);
-    (!sizes.is_empty()).then(|| BySection {
-        sections: sizes.len(),
-        without,
-        hairs: [0.0, 0.5, 1.0].map(|q| quantile(&sizes, q) as usize),
-    })
+/// Of every so many curves one, how many lead over a parting of the scalps `parted`, and how many were looked at. Hair of a braid
+/// counts up to where it joins that, hair that is held by a tie up to that. None where somebody asked to stop.
+pub fn over_lines(
+    curves: &Curves,
+    parted: &[Arc<Scalp>],
+    every: usize,
+    host: &dyn Host,
+) -> Option<[usize; 2]> {
+    let sections = leading(parted);
+    if sections.is_empty() {
+        return Some([0; 2]);
+    }
+    let every = every.max(1);
+    let tufts = curves.tufts();
+    let starts: Vec<usize> = tufts
+        .iter()
+        .scan(0, |next, tuft| Some(std::mem::replace(next, *next + tuft.len())))
+        .collect();
+    let found = in_parts(host, tufts.len(), 1, |part| {
+        let (tuft, start) = (&tufts[part.start], starts[part.start]);
+        let first = start.next_multiple_of(every) - start;
+        let (mut over, mut looked) = (0, 0);
+        for i in (first..tuft.len()).step_by(every).take_while(|_| !host.cancelled()) {
+            let points = tuft.curve(i);
+            let free = joins_its_braid(tuft, i).or_else(|| passes_its_tie(tuft, i));
+            let until = free.map_or(points.len(), |last| last + 1);
+            let is_over = |sections: &&Sections| sections.is_over_line(&points[..until]);
+            over += usize::from(sections.iter().any(is_over));
+            looked += 1;
+        }
+        [over, looked]
+    });
+    let sum = |sum: [usize; 2], [over, looked]: [usize; 2]| [sum[0] + over, sum[1] + looked];
+    (!host.cancelled()).then(|| found.into_iter().fold([0; 2], sum))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::prim_of;
+    use super::super::hair::tests::read_of;
     use super::*;
-    use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
+    use crate::data::attributes::{Domain, TIE, TIE_RADIUS};
+    use crate::data::curves::TuftBuilder;
+    use crate::eval::PlainHost;
+    use crate::formats::conform::tests::{arc, parted_ball};
+    use crate::formats::usd::read::{ReadCurves, ReadValues};
 
     /// A parting along z on the plane y = 0.
     fn parting() -> ReadCurves {
         let line: Vec<Vec3> = (0..10).map(|k| Vec3::Z * k as f32).collect();
-        prim_of(
+        read_of(
             &[&line],
             &[
                 ("parting", ReadValues::Int(vec![7])),
@@ -258,9 +283,9 @@ mod tests {
 
     #[track_caller]
     fn check(hair: &[Vec3], crossing: usize, rooted_in: usize) {
-        let (parting, hair) = (parting(), prim_of(&[hair], &[]));
-        let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
-        let found = partings.judge(&Prim::new(&hair));
+        let (parting, hair) = (parting(), read_of(&[hair], &[]));
+        let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
+        let found = partings.judge(&Hair::read(&hair, &PlainHost));
         assert_eq!((found.crossing, found.rooted_in), (crossing, rooted_in));
         assert_eq!((found.partings, found.half_width_cm), (1, [0.1; 2]));
     }
@@ -283,15 +308,16 @@ mod tests {
         // `along` tells where each point is in the braid; on its way to it a hair has the place where it will join.
         let check = |along: [f32; 5], crossing: usize| {
             let at = |x: f32| Vec3::new(x, 0.05, 4.5);
-            let hair = prim_of(
+            let hair = read_of(
                 &[&[at(-1.0), at(-0.2), at(0.2), at(0.6), at(1.0)]],
                 &[
                     ("braid", ReadValues::Int(vec![3])),
                     ("along", ReadValues::Float(along.to_vec())),
                 ],
             );
-            let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
-            assert_eq!(partings.judge(&Prim::new(&hair)).crossing, crossing, "{along:?}");
+            let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
+            let found = partings.judge(&Hair::read(&hair, &PlainHost));
+            assert_eq!(found.crossing, crossing, "{along:?}");
         };
         check([0.0, 0.0, 0.1, 0.2, 0.3], 0);
         check([0.3, 0.3, 0.4, 0.5, 0.6], 0);
@@ -308,15 +334,16 @@ mod tests {
         let parting = parting();
         let check = |tie: Vec3, radius: f32, crossing: usize| {
             let at = |x: f32| Vec3::new(x, 0.05, 4.5);
-            let hair = prim_of(
+            let hair = read_of(
                 &[&[at(-1.0), at(-0.6), at(-0.2), at(0.2), at(0.6)]],
                 &[
                     ("tie", ReadValues::Float3(vec![tie])),
                     ("tie_radius", ReadValues::Float(vec![radius])),
                 ],
             );
-            let partings = Partings::of(&[Prim::new(&parting)]).unwrap();
-            assert_eq!(partings.judge(&Prim::new(&hair)).crossing, crossing, "{tie} {radius}");
+            let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
+            let found = partings.judge(&Hair::read(&hair, &PlainHost));
+            assert_eq!(found.crossing, crossing, "{tie} {radius}");
         };
         let before = Vec3::new(-0.6, 0.4, 4.5);
         check(before, 0.3, 0);
@@ -330,10 +357,28 @@ mod tests {
     }
 
     #[test]
-    fn sections_are_counted() {
-        let hair: &[Vec3] = &[Vec3::ZERO, Vec3::Y];
-        let hairs = prim_of(&[hair; 6], &[("section", ReadValues::Int(vec![0, 4, 4, 9, 4, 0]))]);
-        let found = by_section(&Prim::new(&hairs)).unwrap();
-        assert_eq!((found.sections, found.without, found.hairs), (2, 2, [1, 3, 3]));
+    fn hair_leads_over_a_parting_before_its_tie_and_not_behind() {
+        let hair: Vec<Vec3> = (-6..=6)
+            .map(|k| {
+                let (x, y) = arc(2 * k, 8.95);
+                Vec3::new(x, y, 0.1)
+            })
+            .collect();
+        let check = |tie: Vec3, radius: f32, over: usize| {
+            let mut b = TuftBuilder::new();
+            b.push_curve(&hair);
+            b.set(TIE, Domain::Curve, vec![tie]);
+            b.set(TIE_RADIUS, Domain::Curve, vec![radius]);
+            let curves = Curves::new(vec![Arc::new(b.build())]);
+            let found = over_lines(&curves, &parted_ball(), 1, &PlainHost).unwrap();
+            assert_eq!(found, [over, 1], "{tie} {radius}");
+        };
+        let before = hair[3] + Vec3::Y * 0.4;
+        check(before, 0.3, 0);
+        check(before + Vec3::Y, 0.3, 1);
+        check(hair[10], 0.3, 1);
+        check(before, 0.0, 1);
+        check(before, f32::NAN, 1);
+        check(Vec3::NAN, 0.3, 1);
     }
 }

@@ -1,47 +1,49 @@
 //! Whether hair passes the tie that holds it: how near its way comes to the middle of the ring in which the tie lets it go, against
 //! the ring's radius, and how far it goes on behind.
 //!
-//! A hair is held by a tie where the file tells the middle and the radius of one for it. It passes where its way comes as near as the
-//! radius, and [`LOOSE`] more: within the band.
+//! A hair is held by a tie where the middle and the radius of one are told for it. It passes where its way comes as near as the
+//! radius, and 0.2 cm more: within the band.
 
-use super::prim::{Column, Prim, in_parts, quantile};
+use super::hair::{Column, Hair, quantile};
 use glam::Vec3;
-use serde::Serialize;
 use std::collections::BTreeSet;
 
-#[derive(Serialize)]
-pub(super) struct Ties {
+/// Hair that ties hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ties {
     /// Rings of different middles.
-    pub(super) ties: usize,
+    pub ties: usize,
     /// Hairs that are held by one.
-    pub(super) hairs: usize,
+    pub hairs: usize,
     /// Those of them that do not pass it.
-    pub(super) beside: usize,
+    pub beside: usize,
     /// Nearest distance of a hair from the middle of its ring, in radii: of the middle hair, and of the one farthest off.
-    pub(super) off: [f32; 2],
+    pub off: [f32; 2],
     /// Length of hair behind its tie, cm: of 5 % of the hairs at most, the middle, the longest.
-    pub(super) behind_cm: [f32; 3],
+    pub behind_cm: [f32; 3],
 }
 
 /// How much farther from the middle than its radius a hair may pass, cm: as thick as a band is. A tail may begin a little thicker
 /// than its tie, and its hair goes smoothly through the bend there, to less than a millimetre.
 const LOOSE: f32 = 0.2;
 
-pub(super) fn measure(prim: &Prim) -> Option<Ties> {
-    let ties = Held::of(prim)?;
-    let held: Vec<usize> = (0..prim.len()).filter(|i| ties.tie(prim, *i).is_some()).collect();
+/// How hair passes its ties; none where no tie holds any.
+pub fn measure(hair: &Hair) -> Option<Ties> {
+    let ties = Held::of(hair)?;
+    let held: Vec<usize> = (0..hair.len()).filter(|i| ties.tie(hair, *i).is_some()).collect();
     if held.is_empty() {
         return None;
     }
-    let found = in_parts(held.len(), 500, |part| {
-        let hair = |k: usize| {
-            let (middle, radius) = ties.tie(prim, held[k])?;
-            let (far, behind) = passes(prim.curve(held[k]), middle);
-            Some((middle.to_array().map(f32::to_bits), far, radius, behind))
-        };
-        part.filter_map(hair).collect::<Vec<_>>()
-    })
-    .concat();
+    let found = hair
+        .in_parts(held.len(), 500, |part| {
+            let hair = |k: usize| {
+                let (middle, radius) = ties.tie(hair, held[k])?;
+                let (far, behind) = passes(hair.curve(held[k]), middle);
+                Some((middle.to_array().map(f32::to_bits), far, radius, behind))
+            };
+            part.filter_map(hair).collect::<Vec<_>>()
+        })
+        .concat();
     let sorted = |of: &dyn Fn(f32, f32, f32) -> f32| {
         let mut all: Vec<f32> = found.iter().map(|(_, far, r, past)| of(*far, *r, *past)).collect();
         all.sort_by(f32::total_cmp);
@@ -57,27 +59,27 @@ pub(super) fn measure(prim: &Prim) -> Option<Ties> {
     })
 }
 
-/// The ties that hold the hairs of a prim.
-pub(super) struct Held<'p>(Column<'p, Vec3>, Column<'p, f32>);
+/// The ties that hold hairs.
+pub(super) struct Held<'a>(Column<'a, Vec3>, Column<'a, f32>);
 
-impl<'p> Held<'p> {
-    pub(super) fn of(prim: &'p Prim) -> Option<Self> {
-        Some(Self(prim.vectors("tie")?, prim.numbers("tie_radius")?))
+impl<'a> Held<'a> {
+    pub(super) fn of(hair: &'a Hair) -> Option<Self> {
+        Some(Self(hair.vectors("tie")?, hair.numbers("tie_radius")?))
     }
     /// Middle and radius of the tie of a hair.
-    fn tie(&self, prim: &Prim, i: usize) -> Option<(Vec3, f32)> {
-        if prim.curve(i).is_empty() {
+    fn tie(&self, hair: &Hair, i: usize) -> Option<(Vec3, f32)> {
+        if hair.curve(i).is_empty() {
             return None;
         }
-        let first = prim.range(i).start;
+        let first = hair.range(i).start;
         let radius = self.1.at(i, first);
         // A radius that is no number, or boundless, is none: every hair would pass.
         (radius > 0.0 && radius < 1e6).then(|| (self.0.at(i, first), radius))
     }
     /// How long a hair is up to the tie that it passes.
-    pub(super) fn until(&self, prim: &Prim, i: usize) -> Option<f32> {
-        let (middle, radius) = self.tie(prim, i)?;
-        let points = prim.curve(i);
+    pub(super) fn until(&self, hair: &Hair, i: usize) -> Option<f32> {
+        let (middle, radius) = self.tie(hair, i)?;
+        let points = hair.curve(i);
         let (far, behind) = passes(points, middle);
         let whole: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
         (far <= radius + LOOSE).then_some(whole - behind)
@@ -103,9 +105,10 @@ fn passes(points: &[Vec3], place: Vec3) -> (f32, f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::prim_of;
+    use super::super::hair::tests::read_of;
     use super::*;
-    use coif_nodes::formats::usd::read::ReadValues;
+    use crate::eval::PlainHost;
+    use crate::formats::usd::read::ReadValues;
 
     #[test]
     fn hair_beside_its_tie_is_counted_and_what_hangs_behind_is_as_long_as_it_is() {
@@ -118,7 +121,7 @@ mod tests {
                 ("tie", ReadValues::Float3(vec![middle])),
                 ("tie_radius", ReadValues::Float(radii)),
             ];
-            measure(&Prim::new(&prim_of(&curves, &primvars)))
+            measure(&Hair::read(&read_of(&curves, &primvars), &PlainHost))
         };
         let all = told(vec![1.0], Vec3::Y * -8.0).unwrap();
         assert_eq!((all.ties, all.hairs, all.beside), (1, 4, 2));
@@ -137,16 +140,16 @@ mod tests {
     fn a_curve_without_points_passes_no_tie() {
         // Told point by point, so that the last curve has no value of its own.
         let hair = [Vec3::X * -9.0, Vec3::ZERO, Vec3::Y * -20.0];
-        let read = prim_of(
+        let read = read_of(
             &[&hair, &[]],
             &[
                 ("tie", ReadValues::Float3(vec![Vec3::Y * -8.0; 3])),
                 ("tie_radius", ReadValues::Float(vec![1.0; 3])),
             ],
         );
-        let prim = Prim::new(&read);
-        assert_eq!(measure(&prim).map(|ties| ties.hairs), Some(1));
-        let held = Held::of(&prim).unwrap();
-        assert!(held.until(&prim, 0).is_some() && held.until(&prim, 1).is_none());
+        let hair = Hair::read(&read, &PlainHost);
+        assert_eq!(measure(&hair).map(|ties| ties.hairs), Some(1));
+        let held = Held::of(&hair).unwrap();
+        assert!(held.until(&hair, 0).is_some() && held.until(&hair, 1).is_none());
     }
 }
