@@ -1,7 +1,8 @@
 //! `coif edit`: the window, on a graph or on the start-up groom.
 
 use super::{Exit, complain, groom, signals};
-use crate::editor::{self, Editor, state::OpenFile};
+use crate::core::state::OpenFile;
+use crate::editor::{self, Editor};
 use crate::files;
 use clap::Args;
 use std::path::PathBuf;

@@ -227,7 +227,8 @@ impl Opened {
         let mut targets: Vec<Socket> = self.outputs.iter().map(|o| o.socket.clone()).collect();
         targets.extend_from_slice(more);
         let heads = of_kind(&self.document, &targets, "head");
-        let file = |head: &Socket| crate::looks::file_of(&self.document, &self.folder, &head.node);
+        let file =
+            |head: &Socket| crate::scene::looks::file_of(&self.document, &self.folder, &head.node);
         heads.iter().map(file).collect()
     }
 

@@ -3,8 +3,8 @@
 //! Rooms keep their own part of it; [`all`] is the whole. An action that cannot be done says why.
 
 use super::Editor;
-use super::event::Event;
-use super::rooms::Room;
+use crate::core::event::Event;
+use crate::core::room::Room;
 
 /// Something that can be done by name.
 pub struct Action {
@@ -35,12 +35,12 @@ pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "H
 /// The parts of the table, room by room.
 const PARTS: &[&[&[Action]]] = &[
     &[super::documents::actions::ACTIONS, ACTIONS],
-    crate::canvas::ACTIONS,
+    crate::rooms::canvas::ACTIONS,
     &[
-        crate::viewport::actions::ACTIONS,
-        crate::pen::actions::ACTIONS,
-        crate::pen::hair::actions::ACTIONS,
-        crate::pen::mask::actions::ACTIONS,
+        crate::rooms::viewport::actions::ACTIONS,
+        crate::rooms::pen::actions::ACTIONS,
+        crate::rooms::pen::hair::actions::ACTIONS,
+        crate::rooms::pen::mask::actions::ACTIONS,
     ],
 ];
 

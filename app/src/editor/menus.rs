@@ -3,10 +3,12 @@
 use super::Editor;
 use super::Event;
 use super::actions::{self, MENUS};
+use super::documents;
 use super::keys::name_of;
-use super::state::Select;
-use super::{documents, panel, rooms::Room, theme};
-use crate::inspector::text::spoken;
+use crate::core::room::Room;
+use crate::core::state::Select;
+use crate::widgets::text::spoken;
+use crate::widgets::{panel, theme};
 use crate::words::counted;
 use coif_graphs::document::NodeId;
 use coif_nodes::define::NodeDef;
@@ -174,8 +176,8 @@ fn manual(def: &NodeDef, ui: &mut egui::Ui) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::editor::documents::testing;
-    use crate::editor::state::OpenFile;
+    use crate::core::state::OpenFile;
+    use crate::testing;
     use coif_graphs::document::budget::{Budget, Term};
     use coif_graphs::document::edit::Edit;
     use egui_kittest::Harness;

@@ -9,35 +9,37 @@
 pub mod actions;
 pub mod compare;
 pub mod documents;
-pub mod evaluation;
-pub mod event;
 mod fonts;
-mod history;
 pub mod keys;
-pub mod lineage;
-pub mod made;
+pub mod layout;
 mod menus;
-pub mod messages;
-pub mod notes;
-mod outliner;
 mod palette;
-pub(crate) mod panel;
-pub mod rooms;
-pub mod settings;
-mod spreadsheet;
-pub mod state;
-pub mod templates;
+mod settings;
+mod templates;
 #[cfg(test)]
-mod tests;
-pub mod theme;
+pub(crate) mod tests;
 mod toasts;
 mod tour;
-pub mod visibility;
+mod windows;
 
-use crate::canvas::Canvas;
-use crate::inspector::Inspector;
-use crate::pen::Pen;
-use crate::viewport::Viewport;
+use crate::core::event::Event;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::settings::{Evaluate, Settings};
+use crate::core::shown::first_output;
+use crate::core::state::{self, OpenFile, State};
+use crate::jobs::evaluation::{Evaluation, Finished, Request};
+use crate::places::Places;
+use crate::rooms::canvas::Canvas;
+use crate::rooms::history;
+use crate::rooms::inspector::Inspector;
+use crate::rooms::messages::Messages;
+use crate::rooms::outliner::Outliner;
+use crate::rooms::pen::Pen;
+use crate::rooms::spreadsheet::Spreadsheet;
+use crate::rooms::templates::{Templates, carried};
+use crate::rooms::viewport::Viewport;
+use crate::widgets::{panel, theme};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Socket};
@@ -46,21 +48,10 @@ use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
 use compare::Compare;
 use documents::Documents;
-use documents::places::Places;
 use egui_dock::{DockArea, DockState};
-use evaluation::{Evaluation, Finished, Request, first_output};
-use event::Event;
 use keys::Keys;
-use messages::Messages;
-use notes::Note;
-use outliner::Outliner;
 use palette::Palette;
-use rooms::Room;
-use settings::{Evaluate, Settings};
-use spreadsheet::Spreadsheet;
-use state::{OpenFile, State};
 use std::path::PathBuf;
-use templates::Templates;
 use toasts::Toasts;
 use tour::Tour;
 
@@ -157,7 +148,7 @@ impl Editor {
             templates: Templates::default(),
             compare: None,
             pen: Pen::default(),
-            dock: rooms::first_layout(),
+            dock: layout::first_layout(),
             toasts: Toasts::default(),
             rooms: vec![],
             types: false,
@@ -230,7 +221,7 @@ impl Editor {
         let mut events = vec![];
         self.rooms.clear();
         let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
-        let (shares, held) = (rooms::shares(&dock), rooms::held_split(&dock, &ctx));
+        let (shares, held) = (layout::shares(&dock), layout::held_split(&dock, &ctx));
         let mut tabs = Tabs { editor: self, out: &mut events };
         egui::CentralPanel::default().frame(egui::Frame::NONE.fill(theme::GROUND)).show(ui, |ui| {
             DockArea::new(&mut dock)
@@ -239,7 +230,7 @@ impl Editor {
                 .show_leaf_collapse_buttons(false)
                 .show_inside(ui, &mut tabs);
         });
-        rooms::keep_shares(&mut dock, &shares, held);
+        layout::keep_shares(&mut dock, &shares, held);
         self.dock = dock;
         self.settings_panel.ui(&self.state.settings, &self.keys, &ctx, &mut events);
         if self.key_sheet {
@@ -253,7 +244,7 @@ impl Editor {
         self.settle_templates(&ctx);
         let canvas = self.place_of(Room::Canvas);
         let at = ctx.pointer_latest_pos();
-        templates::carried(&ctx, canvas.zip(at).is_some_and(|(canvas, at)| canvas.contains(at)));
+        carried(&ctx, canvas.zip(at).is_some_and(|(canvas, at)| canvas.contains(at)));
         documents::after(self, &ctx);
         self.shield(&ctx);
         self.types = ctx.text_edit_focused();
@@ -394,7 +385,7 @@ impl Editor {
             Event::Documents(event) => self.apply_to_file(event),
             Event::Focus(room) => state.focus = room,
             Event::Show(room) => {
-                rooms::show(&mut self.dock, room);
+                layout::show(&mut self.dock, room);
                 state.focus = room;
             }
         }
@@ -510,7 +501,7 @@ impl Editor {
 
     /// Docks every room where it was at first.
     pub(crate) fn reset_layout(&mut self) {
-        self.dock = rooms::first_layout();
+        self.dock = layout::first_layout();
     }
 
     /// Gives the keys to another open room.
@@ -647,7 +638,7 @@ pub fn run(
     if ["WAYLAND_DISPLAY", "DISPLAY"]
         .iter()
         .all(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))
-        && crate::pen::has_pens()
+        && crate::rooms::pen::has_pens()
     {
         options.event_loop_builder = Some(Box::new(|builder| {
             use winit::platform::x11::EventLoopBuilderExtX11 as _;

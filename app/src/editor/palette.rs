@@ -6,7 +6,7 @@
 use super::Editor;
 use super::actions::{self, Action};
 use super::keys::name_of;
-use super::panel;
+use crate::widgets::panel;
 use egui::{Align2, Area, Frame, Key, Modifiers, Order, RichText, ScrollArea, TextEdit};
 
 /// What is open, typed and chosen.
@@ -178,8 +178,8 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
 
 #[cfg(test)]
 mod tests {
-    use super::super::state::OpenFile;
     use super::*;
+    use crate::core::state::OpenFile;
     use egui::Event;
 
     #[test]

@@ -3,11 +3,12 @@
 //!
 //! Guarantees: what was said leaves by itself, or when it is put away; while the pen draws nothing comes up.
 
+use super::Editor;
 use super::documents;
-use super::event::Event;
-use super::notes::{Gravity, Note};
-use super::rooms::Room;
-use super::{Editor, panel};
+use crate::core::event::Event;
+use crate::core::notes::{Gravity, Note};
+use crate::core::room::Room;
+use crate::widgets::panel;
 use egui::{Align2, Area, Context, Frame, Id, Label, Order, ScrollArea};
 use std::time::Duration;
 

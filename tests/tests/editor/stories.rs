@@ -1,9 +1,9 @@
 //! Stories of the whole window: every entry of every menu, and a slider that is dragged.
 
 use super::harness::{Ui, is_sound, on, on_groom, settle};
+use coif::core::event::Event;
+use coif::core::state::Select;
 use coif::editor::actions::{self, MENUS};
-use coif::editor::event::Event;
-use coif::editor::state::Select;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Point};
 use coif_graphs::{file, grooms};

@@ -13,7 +13,7 @@ use super::progress::{Bar, Tell};
 use super::report::{Picture as About, Report, rounded};
 use crate::feeders::feeders;
 use crate::files::{Together, read_at_most};
-use crate::looks::{FileLooks, Named};
+use crate::scene::looks::{FileLooks, Named};
 use crate::scene::{self, Dressed, Show, Skin};
 use crate::words::grouped;
 use clap::Args;

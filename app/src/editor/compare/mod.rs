@@ -11,12 +11,12 @@ mod ui;
 
 use super::Editor;
 use super::documents;
-use super::evaluation::Request;
-use super::event::Event;
-use super::notes::Note;
-use super::rooms::Room;
-use super::state::{OpenFile, State};
-use crate::canvas::{Canvas, Marks, marks};
+use crate::core::event::Event;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::state::{OpenFile, State};
+use crate::jobs::evaluation::Request;
+use crate::rooms::canvas::{Canvas, Marks, marks};
 use coif_graphs::compare::{Told, diff, is_same_hair, told};
 use coif_graphs::document::{Document, NodeId};
 use coif_nodes::eval::Quality;

@@ -1,9 +1,9 @@
 //! What the documents' room adds to the table of actions.
 
-use super::{Event as FileEvent, Purpose};
+use crate::core::documents::{Event as FileEvent, Purpose};
+use crate::core::event::Event;
 use crate::editor::Editor;
 use crate::editor::actions::{Action, always};
-use crate::editor::event::Event;
 
 fn file(editor: &mut Editor, event: FileEvent) {
     editor.apply(Event::Documents(event));

@@ -3,31 +3,13 @@
 //! The window never waits for a dialog. Where the system has none to show (no portal answers), that is told and the
 //! browser of this program is used instead ([`super::browser`]).
 
+use crate::core::documents::Purpose;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::task::{Context, Poll, Wake};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
-
-/// What a file is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// A groom to open.
-    Open,
-    /// A groom to compare this one with.
-    Compare,
-    /// A mesh for the head.
-    Mesh,
-    /// A mesh instead of one that is missing, for the same node.
-    Find,
-    /// Where the groom is saved.
-    Save,
-    /// Where hair is written.
-    Export,
-    /// Where a picture is written.
-    Picture,
-}
 
 impl Purpose {
     /// What the dialog says on top.

@@ -11,7 +11,7 @@ use crate::cli::groom::{Opened, reads_all};
 use crate::cli::progress::Tell;
 use crate::cli::render::draw_open;
 use crate::cli::report::Report;
-use crate::editor::state::OpenFile;
+use crate::core::state::OpenFile;
 use crate::files::{Role, Together};
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Progress};

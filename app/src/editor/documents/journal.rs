@@ -311,8 +311,8 @@ pub(crate) fn now() -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Folder, until};
     use super::*;
+    use crate::testing::{Folder, until};
 
     fn numbered(n: u64) -> Document {
         Document { title: format!("step {n}"), seed: n, ..Document::default() }

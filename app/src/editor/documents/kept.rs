@@ -66,8 +66,8 @@ pub(crate) fn store_text(path: &Path, text: &str) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Folder;
     use super::*;
+    use crate::testing::Folder;
     use std::collections::BTreeMap;
 
     type Words = BTreeMap<String, u32>;

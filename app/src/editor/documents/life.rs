@@ -1,15 +1,16 @@
 //! The life of a document: new, opened, saved, restored, closed. What [`super::Event`]s do.
 
-use super::dialogs::{Purpose, Question};
+use super::dialogs::Question;
 use super::export::{Content, Export};
 use super::journal::About;
 use super::remedies::with_remedy;
 use super::watch::hash_of;
 use super::{Asking, Disk, Event, HeadChoice, Left, Next, Unsaved, journal, own_head, paths};
+use crate::core::documents::Purpose;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::state::OpenFile;
 use crate::editor::Editor;
-use crate::editor::notes::Note;
-use crate::editor::rooms::Room;
-use crate::editor::state::OpenFile;
 use crate::files::{Role, Together, read_at_most};
 use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
@@ -26,7 +27,7 @@ use std::path::{Path, PathBuf};
 const MOST_BYTES: u64 = 256 << 20;
 
 /// The document that begins with nothing but a head.
-pub(in super::super) fn empty_head() -> Document {
+pub(crate) fn empty_head() -> Document {
     let mut document = Document { title: "Untitled".to_owned(), ..Document::default() };
     let id = document.free_id("head");
     let node = document.fresh_node("head", &id);
@@ -180,7 +181,7 @@ impl Editor {
             let left = crate::words::counted(left, "conflict");
             let text = format!("{shown}: {left} of a merge left to decide, in the messages");
             self.state.notes.say(Note::warning(text));
-            self.apply(crate::editor::event::Event::Show(Room::Messages));
+            self.apply(crate::core::event::Event::Show(Room::Messages));
         }
     }
 
@@ -276,7 +277,7 @@ impl Editor {
             (Purpose::Find, Some((node, input))) => {
                 let name = self.name_for(&path);
                 let setting = Setting::Known(Value::Text(name.into()));
-                self.apply(crate::editor::event::Event::Edit(Edit::SetInput {
+                self.apply(crate::core::event::Event::Edit(Edit::SetInput {
                     node,
                     input,
                     setting,
