@@ -30,6 +30,12 @@ pub enum Event {
     Picture(PathBuf, [u32; 2]),
     /// The export that goes on stops.
     StopExport,
+    /// The groom is shown beside its file as it was saved.
+    CompareWithSaved,
+    /// The picture shows the hair of the groom beside this one, or of this one again.
+    Flip,
+    /// The groom is shown alone again.
+    EndCompare,
     /// The window is to be closed.
     Close,
     /// What becomes of unsaved changes.

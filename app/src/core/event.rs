@@ -47,6 +47,8 @@ pub enum Event {
     Made(Option<Arc<Made>>),
     /// The pen picks a stroke of a node.
     PickStroke(NodeId, u64),
+    /// The pen is taken up for a node that is to be drawn into.
+    TakeUpPen(NodeId),
     /// Another node is displayed.
     Display(Option<NodeId>),
     /// The pen works on another node.
@@ -76,8 +78,33 @@ pub enum Event {
     Templates(templates::Event),
     /// Something happens to the document as a whole.
     Documents(documents::Event),
+    /// Something happens to the window round the rooms.
+    Window(Window),
+    /// The outliner scrolls to what is selected.
+    Reveal,
     /// Keys are for another room.
     Focus(Room),
     /// A room is opened, or brought to the front.
     Show(Room),
+}
+
+/// Something that happens to the window round the rooms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Window {
+    /// The settings open or close.
+    Settings,
+    /// The sheet of keys opens or closes.
+    Keys,
+    /// The list of all that can be done opens.
+    Palette,
+    /// The tour begins.
+    Tour,
+    /// The menu of the right button opens, in the room that keys are for.
+    Menu,
+    /// The search for templates takes what is typed next.
+    SearchTemplates,
+    /// Every room is docked where it was at first.
+    ResetLayout,
+    /// Keys are for the open room so many further.
+    NextRoom(isize),
 }

@@ -1,6 +1,7 @@
 //! What the editor knows and what can happen to it: read by rooms, changed in one place.
 
-pub(crate) mod action;
+pub mod action;
+mod apply;
 pub mod documents;
 pub mod event;
 pub(crate) mod faces;

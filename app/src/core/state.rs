@@ -1,5 +1,6 @@
-//! What the editor knows. Rooms read it; only [`super::Editor::apply`] changes it.
+//! What the editor knows. Rooms read it; what happens is applied in one place (`apply.rs`).
 
+use crate::core::action::Table;
 use crate::core::lineage::Ancestor;
 use crate::core::made::Made;
 use crate::core::notes::Notes;
@@ -62,11 +63,17 @@ pub struct State {
     pub(crate) offer: Option<Offer>,
     /// The room that keys are for.
     pub focus: Room,
+    /// Seconds since the window opened.
+    pub now: f64,
+    /// When the last nudge was.
+    pub(super) nudged: f64,
+    /// What can be done by name.
+    pub(crate) table: Table,
 }
 
 impl State {
-    /// A document that was just opened or made.
-    pub fn new(document: Document, file: OpenFile, settings: Settings) -> Self {
+    /// A document that was just opened or made, in a window in which these things can be done by name.
+    pub fn new(document: Document, file: OpenFile, settings: Settings, table: Table) -> Self {
         Self {
             document,
             history: History::new(),
@@ -90,6 +97,9 @@ impl State {
             shelf: None,
             offer: None,
             focus: Room::Viewport,
+            now: 0.0,
+            nudged: f64::NEG_INFINITY,
+            table,
         }
     }
 
@@ -99,9 +109,12 @@ impl State {
         id.map_or_else(Cow::default, |id| self.document.name_of(id))
     }
 
-    /// Forgets what is gone: a selection, and the group that is shown.
+    /// Forgets what is gone: a selection, the node of the pen, and the group that is shown.
     pub fn keep(&mut self) {
         self.selection.keep(&self.document);
+        if self.pinned.as_ref().is_some_and(|id| !self.document.nodes.contains_key(id)) {
+            self.pinned = None;
+        }
         let is_there = |id: &NodeId| self.document.node(id.as_str()).is_some_and(Node::is_group);
         while self.group.as_ref().is_some_and(|id| !is_there(id)) {
             self.group = self.group.as_ref().and_then(NodeId::group);

@@ -29,7 +29,7 @@ pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
                     ui.menu_button(*menu, |ui| {
                         panel::list(ui, |ui| {
                             for action in entries {
-                                let allowed = (action.when)(editor);
+                                let allowed = action.when(editor);
                                 let keys = editor.keys.of(action.id).map(|k| name_of(&k));
                                 let mut button = Button::new(action.label);
                                 if let Some(keys) = keys {
@@ -96,7 +96,7 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                 return;
             }
             // Old news leaves; the messages keep it.
-            let news = editor.toasts.is_news(editor.now);
+            let news = editor.toasts.is_news(editor.state.now);
             if let Some(note) = editor.state.notes.all().last().filter(|_| news) {
                 ui.add(egui::Label::new(RichText::new(&note.text).color(theme::QUIET)).truncate());
             }

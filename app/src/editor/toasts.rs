@@ -37,7 +37,7 @@ impl Toasts {
     }
 
     fn learn(&mut self, editor: &Editor) {
-        let (notes, now) = (&editor.state.notes, editor.now);
+        let (notes, now) = (&editor.state.notes, editor.state.now);
         let new = notes.count().saturating_sub(self.count);
         if new > 0 {
             (self.count, self.last) = (notes.count(), now);
@@ -92,7 +92,7 @@ pub(super) fn ui(editor: &mut Editor, ctx: &Context) {
                 });
             });
     }
-    if !toasts.seen.is_empty() || toasts.is_news(editor.now) {
+    if !toasts.seen.is_empty() || toasts.is_news(editor.state.now) {
         ctx.request_repaint_after(Duration::from_millis(500));
     }
     editor.toasts = toasts;

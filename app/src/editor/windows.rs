@@ -2,9 +2,10 @@
 //!
 //! Guarantees: what is pressed beside an open list closes it and does nothing else; Escape closes the topmost of what is open.
 
-use super::Editor;
+use super::{Editor, layout};
 use crate::core::documents::{Event as FileEvent, HeadChoice};
-use crate::core::event::Event;
+use crate::core::event::{Event, Window};
+use crate::core::room::Room;
 use crate::widgets::keyboard::escape_at;
 use crate::widgets::panel::{id, room};
 use egui::{Area, Context, Id, LayerId, Order, Popup, Sense};
@@ -17,6 +18,34 @@ const PEN: &str = "pen settings";
 const HEAD: &str = "own head";
 
 impl Editor {
+    /// Something happens to the window round the rooms.
+    pub(super) fn apply_to_window(&mut self, event: Window) {
+        match event {
+            Window::Settings => self.settings_panel.is_open = !self.settings_panel.is_open,
+            Window::Keys => self.key_sheet = !self.key_sheet,
+            Window::Palette => self.palette.open(),
+            Window::Tour => self.tour.begin(),
+            Window::Menu => match self.state.focus {
+                Room::Viewport => self.viewport.open_menu_by_key(),
+                Room::Canvas => self.canvas.open_menu_by_key(),
+                _ => self.outliner.open_menu_by_key(),
+            },
+            Window::SearchTemplates => self.templates.search(),
+            Window::ResetLayout => self.dock = layout::first_layout(),
+            Window::NextRoom(step) => self.focus_next(step),
+        }
+    }
+
+    /// Gives the keys to another open room.
+    fn focus_next(&mut self, step: isize) {
+        let open: Vec<Room> = self.dock.iter_all_tabs().map(|(_, room)| *room).collect();
+        let n = open.len() as isize;
+        let at = open.iter().position(|room| *room == self.state.focus).unwrap_or(0) as isize;
+        if let Some(room) = open.get((at + step).rem_euclid(n.max(1)) as usize) {
+            self.apply(Event::Show(*room));
+        }
+    }
+
     /// A press beside an open menu or search closes it, and nothing that lies under it takes the press.
     pub(super) fn shield(&self, ctx: &Context) {
         if !self.palette.is_open() && !self.canvas.searches() && !Popup::is_any_open(ctx) {

@@ -115,7 +115,7 @@ fn every_entry_of_every_menu_does_something_or_says_why_not() {
         let before = sight(&ui);
         assert!(click(&mut ui, action.label), "{}: its menu does not show it", action.id);
         ui.run_steps(3);
-        let allowed = (action.when)(ui.state());
+        let allowed = action.when(ui.state());
         let seen = sight(&ui) != before;
         if allowed.is_ok() {
             could += 1;

@@ -58,7 +58,7 @@ pub struct Compare {
 
 impl Compare {
     fn new(document: Document, file: OpenFile, name: String, mine: &State) -> Self {
-        let mut other = State::new(document.clone(), file, mine.settings.clone());
+        let mut other = State::new(document.clone(), file, mine.settings.clone(), mine.table);
         other.revision = FIRST_REVISION + mine.revision;
         Self {
             name,

@@ -201,14 +201,14 @@ fn save_by_itself(editor: &mut Editor, ctx: &egui::Context) {
     let Some(path) = editor.state.file.path.clone() else { return };
     let waits = editor.state.gesture || editor.documents.changed;
     if !editor.state.history.is_changed() {
-        editor.documents.saved_at = editor.now;
+        editor.documents.saved_at = editor.state.now;
     } else if minutes > 0 && !waits {
-        let left = f64::from(minutes) * 60.0 - (editor.now - editor.documents.saved_at);
+        let left = f64::from(minutes) * 60.0 - (editor.state.now - editor.documents.saved_at);
         if left > 0.0 {
             return ctx.request_repaint_after(std::time::Duration::from_secs_f64(left));
         }
         // Tried again after as long, when it fails.
-        editor.documents.saved_at = editor.now;
+        editor.documents.saved_at = editor.state.now;
         editor.save_to(&path);
     }
 }

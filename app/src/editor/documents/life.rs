@@ -58,6 +58,9 @@ impl Editor {
             Event::Head(choice) => self.head_chosen(choice),
             Event::Export(path) => self.export(Content::Hair, path),
             Event::Picture(path, size) => self.picture(path, size),
+            Event::CompareWithSaved => self.compare_with_saved(),
+            Event::Flip => self.flip(),
+            Event::EndCompare => self.end_compare(),
             Event::StopExport => {
                 if let Some(export) = &self.documents.export {
                     export.stop();
@@ -228,7 +231,7 @@ impl Editor {
         }
         (state.document, state.history, state.file) = (document, history, file);
         documents.changed = false;
-        documents.saved_at = self.now;
+        documents.saved_at = state.now;
         state.notes.say(Note::done(format!("saved {}", path.display())));
         self.remember(&path);
         true

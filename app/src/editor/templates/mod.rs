@@ -83,7 +83,7 @@ impl Editor {
         self.apply(EditorEvent::Select(Select::Nodes(vec![id])));
         // What it has drawn for it waits for the pen.
         if let Some(draws) = draws {
-            crate::rooms::pen::actions::take_up_pen(self, draws);
+            self.apply(EditorEvent::TakeUpPen(draws));
         }
     }
 

@@ -1,72 +1,60 @@
 //! The canvas's part of the table of actions.
 
 use super::{Canvas, Clipboard};
+use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::faces::arrange::Line;
 use crate::core::state::State;
-use crate::editor::Editor;
-use crate::editor::actions::{Action, always};
 use coif_graphs::document::{Node, NodeId};
 use egui::{Vec2, vec2};
 
-type When = fn(&Editor) -> Result<(), &'static str>;
-
-/// Lets the canvas do something, and applies what happened.
-fn canvas(editor: &mut Editor, act: impl Fn(&mut Canvas, &State) -> Vec<Event>) {
-    for event in act(&mut editor.canvas, &editor.state) {
-        editor.apply(event);
-    }
-}
+type Run = fn(&mut Canvas, &State, &mut Vec<Event>);
 
 const fn node(
     id: &'static str,
     label: &'static str,
     tip: &'static str,
     words: &'static str,
-    when: When,
-    run: fn(&mut Editor),
-) -> Action {
+    when: fn(&Canvas, &State) -> Can,
+    run: Run,
+) -> Of<Canvas> {
     Action { id, label, tip, words, menu: "Node", when, run }
 }
 
-fn active(editor: &Editor) -> Result<(), &'static str> {
-    editor.state.active().map(|_| ()).ok_or("no node is selected")
+fn active(_: &Canvas, state: &State) -> Can {
+    state.active().map(|_| ()).ok_or("no node is selected")
 }
-fn selected(editor: &Editor) -> Result<(), &'static str> {
-    if editor.state.selection.nodes.is_empty() { Err("no node is selected") } else { Ok(()) }
+fn selected(_: &Canvas, state: &State) -> Can {
+    if state.selection.nodes.is_empty() { Err("no node is selected") } else { Ok(()) }
 }
-fn two(editor: &Editor) -> Result<(), &'static str> {
-    if editor.state.selection.nodes.len() < 2 {
-        Err("fewer than two nodes are selected")
-    } else {
-        Ok(())
-    }
+fn two(_: &Canvas, state: &State) -> Can {
+    if state.selection.nodes.len() < 2 { Err("fewer than two nodes are selected") } else { Ok(()) }
 }
-fn is_group(editor: &Editor, id: &NodeId) -> bool {
-    editor.state.document.node(id.as_str()).is_some_and(Node::is_group)
+fn is_group(state: &State, id: &NodeId) -> bool {
+    state.document.node(id.as_str()).is_some_and(Node::is_group)
 }
-fn a_group(editor: &Editor) -> Result<(), &'static str> {
-    let any = editor.state.selection.nodes.iter().any(|id| is_group(editor, id));
+fn a_group(_: &Canvas, state: &State) -> Can {
+    let any = state.selection.nodes.iter().any(|id| is_group(state, id));
     if any { Ok(()) } else { Err("no group is selected") }
 }
-fn one_group(editor: &Editor) -> Result<(), &'static str> {
-    let one = editor.state.active().is_some_and(|id| is_group(editor, id));
+fn one_group(_: &Canvas, state: &State) -> Can {
+    let one = state.active().is_some_and(|id| is_group(state, id));
     if one { Ok(()) } else { Err("no group is selected") }
 }
-fn nodes(editor: &Editor) -> Result<(), &'static str> {
-    if editor.state.document.nodes.is_empty() { Err("there are no nodes") } else { Ok(()) }
+fn nodes(_: &Canvas, state: &State) -> Can {
+    if state.document.nodes.is_empty() { Err("there are no nodes") } else { Ok(()) }
 }
-fn something(editor: &Editor) -> Result<(), &'static str> {
-    let holds = editor.canvas.holds_something(&editor.state);
+fn something(canvas: &Canvas, state: &State) -> Can {
+    let holds = canvas.holds_something(state);
     if holds { Ok(()) } else { Err("nothing is selected on the canvas") }
 }
-fn one_wire(editor: &Editor) -> Result<(), &'static str> {
-    let one = editor.canvas.memory.wires.len() == 1;
+fn one_wire(canvas: &Canvas, _: &State) -> Can {
+    let one = canvas.memory.wires.len() == 1;
     if one { Ok(()) } else { Err("not one wire is selected") }
 }
-fn nameable(editor: &Editor) -> Result<(), &'static str> {
-    let frame = editor.canvas.memory.frame.is_some();
-    if frame { Ok(()) } else { active(editor) }
+fn nameable(canvas: &Canvas, state: &State) -> Can {
+    let frame = canvas.memory.frame.is_some();
+    if frame { Ok(()) } else { active(canvas, state) }
 }
 
 const STEP: f32 = 16.0;
@@ -85,7 +73,7 @@ macro_rules! steps {
             words: "arrow walk next",
             menu: "",
             when: nodes,
-            run: |editor| canvas(editor, |canvas, state| canvas.step(state, $way)),
+            run: |canvas, state, out| out.extend(canvas.step(state, $way)),
         },
         Action {
             id: concat!("node.move_", $id),
@@ -94,12 +82,12 @@ macro_rules! steps {
             words: "nudge arrow position",
             menu: "",
             when: selected,
-            run: |editor| canvas(editor, |canvas, state| canvas.nudge(state, STEP * $way)),
+            run: |canvas, state, out| out.extend(canvas.nudge(state, STEP * $way)),
         },)*
     ]};
 }
 
-const STEPS: [Action; 8] = steps! {
+const STEPS: [Of<Canvas>; 8] = steps! {
     "left", "to the left", LEFT;
     "right", "to the right", RIGHT;
     "up", "above", UP;
@@ -107,16 +95,16 @@ const STEPS: [Action; 8] = steps! {
 };
 
 /// What can be done on the canvas by name.
-pub(crate) const ACTIONS: &[&[Action]] = &[&NODES, &VIEWS, &STEPS];
+pub(crate) const ACTIONS: &[&[Of<Canvas>]] = &[&NODES, &VIEWS, &STEPS];
 
-const NODES: [Action; 31] = [
+const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.add",
         "Add node\u{2026}",
         "Searches a node by name, words of the trade or words of other tools, and adds it. With a node selected it proposes a wire.",
         "new create search tab",
         always,
-        |editor| canvas(editor, Canvas::add),
+        |canvas, state, out| out.extend(canvas.add(state)),
     ),
     node(
         "node.display",
@@ -124,15 +112,15 @@ const NODES: [Action; 31] = [
         "Shows this node in the viewport, whatever is selected. Again: shows the outputs.",
         "view flag eye show",
         active,
-        |editor| canvas(editor, Canvas::display),
+        |canvas, state, out| out.extend(canvas.display(state)),
     ),
     node(
         "node.solo",
         "Solo",
         "Shows this node for a moment; again, what was shown before.",
         "isolate peek preview",
-        |editor| if editor.canvas.memory.solo.is_some() { Ok(()) } else { active(editor) },
-        |editor| canvas(editor, Canvas::solo),
+        |canvas, state| if canvas.memory.solo.is_some() { Ok(()) } else { active(canvas, state) },
+        |canvas, state, out| out.extend(canvas.solo(state)),
     ),
     node(
         "node.bypass",
@@ -140,7 +128,7 @@ const NODES: [Action; 31] = [
         "Lets the selected nodes pass their input through, or work again.",
         "disable mute skip off",
         selected,
-        |editor| canvas(editor, Canvas::bypass),
+        |canvas, state, out| out.extend(canvas.bypass(state)),
     ),
     node(
         "node.pin",
@@ -148,7 +136,7 @@ const NODES: [Action; 31] = [
         "The pen works on this node, whatever is displayed. Again: lets it go.",
         "draw stroke edit lock",
         active,
-        |editor| canvas(editor, Canvas::pin),
+        |canvas, state, out| out.extend(canvas.pin(state)),
     ),
     node(
         "node.rename",
@@ -156,7 +144,7 @@ const NODES: [Action; 31] = [
         "Gives the node, or the selected frame, another name.",
         "label title call",
         nameable,
-        |editor| canvas(editor, Canvas::rename),
+        |canvas, state, out| out.extend(canvas.rename(state)),
     ),
     node(
         "node.note",
@@ -164,7 +152,7 @@ const NODES: [Action; 31] = [
         "Writes a note on the node. It is shown with the node and kept in the file.",
         "comment text remark",
         active,
-        |editor| canvas(editor, Canvas::note),
+        |canvas, state, out| out.extend(canvas.note(state)),
     ),
     node(
         "node.collapse",
@@ -172,7 +160,7 @@ const NODES: [Action; 31] = [
         "Draws the selected nodes small, or whole again.",
         "fold minimise hide expand",
         selected,
-        |editor| canvas(editor, Canvas::collapse),
+        |canvas, state, out| out.extend(canvas.collapse(state)),
     ),
     node(
         "node.swap",
@@ -180,7 +168,7 @@ const NODES: [Action; 31] = [
         "Makes another kind of the node. Values and wires that fit are kept.",
         "replace swap type convert",
         active,
-        |editor| canvas(editor, Canvas::swap),
+        |canvas, state, out| out.extend(canvas.swap(state)),
     ),
     node(
         "canvas.connect",
@@ -188,15 +176,17 @@ const NODES: [Action; 31] = [
         "Searches the input that a wire from this node goes to.",
         "connect link plug",
         active,
-        |editor| canvas(editor, Canvas::connect),
+        |canvas, state, out| out.extend(canvas.connect(state)),
     ),
     node(
         "node.disconnect",
         "Disconnect",
         "Takes the wires off the selected nodes; hair runs past them. With wires selected: takes these off.",
         "unplug cut extract shake",
-        |editor| if editor.canvas.memory.wires.is_empty() { selected(editor) } else { Ok(()) },
-        |editor| canvas(editor, Canvas::disconnect),
+        |canvas, state| {
+            if canvas.memory.wires.is_empty() { selected(canvas, state) } else { Ok(()) }
+        },
+        |canvas, state, out| out.extend(canvas.disconnect(state)),
     ),
     node(
         "node.duplicate",
@@ -204,7 +194,7 @@ const NODES: [Action; 31] = [
         "Copies the selected nodes beside themselves, with the wires they take.",
         "clone copy",
         selected,
-        |editor| canvas(editor, Canvas::duplicate),
+        |canvas, state, out| out.extend(canvas.duplicate(state)),
     ),
     node(
         "canvas.cut",
@@ -212,7 +202,7 @@ const NODES: [Action; 31] = [
         "Copies the selected nodes as text and removes them.",
         "clipboard",
         selected,
-        |editor| editor.canvas.memory.clipboard = Some(Clipboard::Cut),
+        |canvas, _, _| canvas.memory.clipboard = Some(Clipboard::Cut),
     ),
     node(
         "canvas.copy",
@@ -220,7 +210,7 @@ const NODES: [Action; 31] = [
         "Copies the selected nodes as text: it can be pasted here, in another groom, or in a mail.",
         "clipboard ron text",
         selected,
-        |editor| editor.canvas.memory.clipboard = Some(Clipboard::Copy),
+        |canvas, _, _| canvas.memory.clipboard = Some(Clipboard::Copy),
     ),
     node(
         "canvas.paste",
@@ -228,7 +218,7 @@ const NODES: [Action; 31] = [
         "Adds nodes from text: what was copied here, or a whole groom.",
         "clipboard ron text insert",
         always,
-        |editor| editor.canvas.memory.clipboard = Some(Clipboard::Paste),
+        |canvas, _, _| canvas.memory.clipboard = Some(Clipboard::Paste),
     ),
     node(
         "node.delete",
@@ -236,7 +226,7 @@ const NODES: [Action; 31] = [
         "Removes what is selected on the canvas: nodes, wires, a bend or a frame. Wires through removed nodes heal.",
         "remove erase dissolve",
         something,
-        |editor| canvas(editor, Canvas::delete),
+        |canvas, state, out| out.extend(canvas.delete(state)),
     ),
     node(
         "canvas.frame_nodes",
@@ -244,7 +234,7 @@ const NODES: [Action; 31] = [
         "Puts a comment frame round the selected nodes. They move with it.",
         "comment group box backdrop network",
         selected,
-        |editor| canvas(editor, Canvas::frame_nodes),
+        |canvas, state, out| out.extend(canvas.frame_nodes(state)),
     ),
     node(
         "canvas.group",
@@ -252,7 +242,7 @@ const NODES: [Action; 31] = [
         "Puts the selected nodes into one node. What they take and give becomes its inputs and outputs.",
         "subnet nest container gizmo asset collapse",
         selected,
-        |editor| canvas(editor, Canvas::group),
+        |canvas, state, out| out.extend(canvas.group(state)),
     ),
     node(
         "canvas.ungroup",
@@ -260,7 +250,7 @@ const NODES: [Action; 31] = [
         "Takes the selected groups apart: their nodes stand in their place, with the same values and wires.",
         "explode expand subnet",
         a_group,
-        |editor| canvas(editor, Canvas::ungroup),
+        |canvas, state, out| out.extend(canvas.ungroup(state)),
     ),
     node(
         "canvas.enter",
@@ -268,15 +258,15 @@ const NODES: [Action; 31] = [
         "Shows the nodes in the selected group. Double-click does the same.",
         "dive inside open subnet",
         one_group,
-        |editor| canvas(editor, Canvas::enter),
+        |canvas, state, out| out.extend(canvas.enter(state)),
     ),
     node(
         "canvas.leave",
         "Leave the group",
         "Shows what the group is in.",
         "up back out subnet",
-        |editor| editor.state.group.as_ref().map(|_| ()).ok_or("no group is entered"),
-        |editor| canvas(editor, Canvas::leave),
+        |_, state| state.group.as_ref().map(|_| ()).ok_or("no group is entered"),
+        |canvas, state, out| out.extend(canvas.leave(state)),
     ),
     node(
         "canvas.tidy",
@@ -284,7 +274,7 @@ const NODES: [Action; 31] = [
         "Places the selected nodes, or all, in the order in which hair flows.",
         "arrange auto layout tidy clean",
         nodes,
-        |editor| canvas(editor, Canvas::tidy),
+        |canvas, state, out| out.extend(canvas.tidy(state)),
     ),
     node(
         "canvas.align_left",
@@ -292,7 +282,7 @@ const NODES: [Action; 31] = [
         "Brings the selected nodes to the left edge of the outermost.",
         "arrange column",
         two,
-        |editor| canvas(editor, |c, state| c.align(state, Line::Left)),
+        |canvas, state, out| out.extend(canvas.align(state, Line::Left)),
     ),
     node(
         "canvas.align_right",
@@ -300,7 +290,7 @@ const NODES: [Action; 31] = [
         "Brings the selected nodes to the right edge of the outermost.",
         "arrange column",
         two,
-        |editor| canvas(editor, |c, state| c.align(state, Line::Right)),
+        |canvas, state, out| out.extend(canvas.align(state, Line::Right)),
     ),
     node(
         "canvas.align_top",
@@ -308,7 +298,7 @@ const NODES: [Action; 31] = [
         "Brings the selected nodes to the upper edge of the topmost.",
         "arrange row",
         two,
-        |editor| canvas(editor, |c, state| c.align(state, Line::Top)),
+        |canvas, state, out| out.extend(canvas.align(state, Line::Top)),
     ),
     node(
         "canvas.align_bottom",
@@ -316,7 +306,7 @@ const NODES: [Action; 31] = [
         "Brings the selected nodes to the lower edge of the lowest.",
         "arrange row",
         two,
-        |editor| canvas(editor, |c, state| c.align(state, Line::Bottom)),
+        |canvas, state, out| out.extend(canvas.align(state, Line::Bottom)),
     ),
     node(
         "canvas.distribute",
@@ -324,7 +314,7 @@ const NODES: [Action; 31] = [
         "Makes the gaps between the selected nodes equal.",
         "arrange spread space even",
         two,
-        |editor| canvas(editor, Canvas::distribute),
+        |canvas, state, out| out.extend(canvas.distribute(state)),
     ),
     node(
         "canvas.select_all",
@@ -332,7 +322,7 @@ const NODES: [Action; 31] = [
         "Selects every node.",
         "everything",
         nodes,
-        |editor| canvas(editor, Canvas::select_all),
+        |canvas, state, out| out.extend(canvas.select_all(state)),
     ),
     node(
         "canvas.select_upstream",
@@ -340,7 +330,7 @@ const NODES: [Action; 31] = [
         "Selects everything that feeds the selected nodes.",
         "inputs before history",
         selected,
-        |editor| canvas(editor, |c, state| c.select_flow(state, false)),
+        |canvas, state, out| out.extend(canvas.select_flow(state, false)),
     ),
     node(
         "canvas.select_downstream",
@@ -348,19 +338,19 @@ const NODES: [Action; 31] = [
         "Selects everything that hangs from the selected nodes.",
         "outputs after dependents",
         selected,
-        |editor| canvas(editor, |c, state| c.select_flow(state, true)),
+        |canvas, state, out| out.extend(canvas.select_flow(state, true)),
     ),
     node(
         "canvas.next_wire",
         "Select the next wire",
         "Selects the wires of the active node one after the other.",
         "link connection cycle",
-        |editor| if editor.canvas.memory.wires.is_empty() { active(editor) } else { Ok(()) },
-        |editor| canvas(editor, Canvas::next_wire),
+        |canvas, state| if canvas.memory.wires.is_empty() { active(canvas, state) } else { Ok(()) },
+        |canvas, state, out| out.extend(canvas.next_wire(state)),
     ),
 ];
 
-const VIEWS: [Action; 4] = [
+const VIEWS: [Of<Canvas>; 4] = [
     Action {
         id: "canvas.fit_all",
         label: "Frame all nodes",
@@ -368,7 +358,7 @@ const VIEWS: [Action; 4] = [
         words: "zoom fit home overview",
         menu: "View",
         when: always,
-        run: |editor| canvas(editor, |canvas, state| canvas.fit(state, false)),
+        run: |canvas, state, out| out.extend(canvas.fit(state, false)),
     },
     Action {
         id: "canvas.fit_selection",
@@ -377,7 +367,7 @@ const VIEWS: [Action; 4] = [
         words: "zoom fit focus",
         menu: "View",
         when: always,
-        run: |editor| canvas(editor, |canvas, state| canvas.fit(state, true)),
+        run: |canvas, state, out| out.extend(canvas.fit(state, true)),
     },
     Action {
         id: "canvas.wire_earlier",
@@ -386,7 +376,7 @@ const VIEWS: [Action; 4] = [
         words: "order reorder up",
         menu: "",
         when: one_wire,
-        run: |editor| canvas(editor, |canvas, state| canvas.reorder(state, -1)),
+        run: |canvas, state, out| out.extend(canvas.reorder(state, -1)),
     },
     Action {
         id: "canvas.wire_later",
@@ -395,6 +385,6 @@ const VIEWS: [Action; 4] = [
         words: "order reorder down",
         menu: "",
         when: one_wire,
-        run: |editor| canvas(editor, |canvas, state| canvas.reorder(state, 1)),
+        run: |canvas, state, out| out.extend(canvas.reorder(state, 1)),
     },
 ];

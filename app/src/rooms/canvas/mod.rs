@@ -418,7 +418,7 @@ impl Canvas {
         // The active node takes it first, where it is in sight.
         let by_key = std::mem::take(&mut self.memory.menu_by_key);
         let middle = self.area.map(|area| area.center()).filter(|_| by_key);
-        menu::background(response, middle, out);
+        menu::background(state.table, response, middle, out);
     }
 
     /// Nodes are dragged, or were.

@@ -315,7 +315,7 @@ impl Scene<'_> {
         let by_key = active && std::mem::take(&mut self.memory.menu_by_key);
         let place = ui.ctx().layer_transform_to_global(response.layer_id);
         let middle = place.unwrap_or_default() * response.rect.center();
-        super::menu::node(response, by_key.then_some(middle), self.out);
+        super::menu::node(self.state.table, response, by_key.then_some(middle), self.out);
         if self.memory.is_quiet() {
             response.clone().on_hover_ui_at_pointer(|ui| node::node_tip(ui, face));
         }

@@ -79,7 +79,7 @@ pub(crate) fn window(document: Document) -> Window {
 }
 
 pub(crate) fn sized(document: Document, size: Vec2) -> Window {
-    let mut state = State::new(document, OpenFile::default(), Settings::default());
+    let mut state = State::new(document, OpenFile::default(), Settings::default(), |_| None);
     state.focus = crate::core::room::Room::Canvas;
     let desk = Desk { state, canvas: Canvas::default(), said: vec![], steps: 0 };
     let mut window = Harness::builder()

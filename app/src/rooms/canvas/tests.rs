@@ -540,7 +540,7 @@ const FRAMES: u32 = 30;
 
 #[test]
 fn three_hundred_nodes_take_little_of_a_frame() {
-    let mut state = State::new(many(300), OpenFile::default(), Default::default());
+    let mut state = State::new(many(300), OpenFile::default(), Default::default(), |_| None);
     state.focus = Room::Canvas;
     let mut canvas = Canvas::default();
     let ctx = egui::Context::default();

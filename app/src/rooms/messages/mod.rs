@@ -8,6 +8,7 @@
 
 mod made;
 
+use crate::core::action::Table;
 use crate::core::documents;
 use crate::core::event::Event;
 use crate::core::notes::{Gravity, Note};
@@ -255,7 +256,7 @@ impl Messages {
         }
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for (at, message) in chosen.into_iter().enumerate() {
-                ui.push_id(at, |ui| row(message, ui, out));
+                ui.push_id(at, |ui| row(message, state.table, ui, out));
             }
         });
     }
@@ -268,7 +269,7 @@ impl Messages {
     }
 }
 
-fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+fn row(message: &Message, table: Table, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     ui.horizontal_top(|ui| {
         message.gravity.mark(ui);
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
@@ -292,8 +293,7 @@ fn row(message: &Message, ui: &mut egui::Ui, out: &mut Vec<Event>) {
                     out.push(Event::Select(Select::Curves(ids)));
                 }
             }
-            let allows =
-                message.too_large.then(|| crate::editor::actions::by_id("evaluate.allow_large"));
+            let allows = message.too_large.then(|| table("evaluate.allow_large"));
             if let Some(action) = allows.flatten()
                 && ui.small_button(action.label).on_hover_text(action.tip).clicked()
             {

@@ -340,7 +340,7 @@ impl Outliner {
             }
         }
         if !state.visibility.shows_all() {
-            action::menu(ui, &["view.show_all"], out);
+            action::menu(state.table, &["view.show_all"], ui, out);
         }
         let of = match &row.item {
             Item::Node(node) => node,

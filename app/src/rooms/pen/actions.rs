@@ -1,13 +1,12 @@
 //! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
 
-use super::{PenTool, Picked, recipes, target};
+use super::{Pen, PenTool, Picked, recipes, target};
+use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::settings::Settings;
-use crate::core::state::Select;
-use crate::editor::Editor;
-use crate::editor::actions::{Action, always};
+use crate::core::state::{Select, State};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::cvs;
 use coif_graphs::document::strokes::whole::{self, End};
@@ -20,10 +19,16 @@ use std::collections::BTreeSet;
 /// A tool that is taken up.
 macro_rules! tool {
     ($id:literal, $tool:ident, $label:literal, $tip:literal, $words:literal) => {
-        tool!($id, |editor| editor.pen.tool = PenTool::$tool, $label, $tip, $words)
+        tool!($id, |pen, _, _| pen.tool = PenTool::$tool, $label, $tip, $words)
     };
     ($id:literal, $tool:ident or $hair:ident, $label:literal, $tip:literal, $words:literal) => {
-        tool!($id, |editor| same_on_hair(editor, PenTool::$tool, Tool::$hair), $label, $tip, $words)
+        tool!(
+            $id,
+            |pen, state, _| same_on_hair(pen, state, PenTool::$tool, Tool::$hair),
+            $label,
+            $tip,
+            $words
+        )
     };
     ($id:literal, $run:expr, $label:literal, $tip:literal, $words:literal) => {
         taken_up($id, $label, $tip, $words, $run)
@@ -36,8 +41,8 @@ pub(crate) const fn taken_up(
     label: &'static str,
     tip: &'static str,
     words: &'static str,
-    run: fn(&mut Editor),
-) -> Action {
+    run: fn(&mut Pen, &State, &mut Vec<Event>),
+) -> Of<Pen> {
     Action { id, label, tip, words, menu: "Pen", when: always, run }
 }
 
@@ -51,22 +56,22 @@ macro_rules! recipe {
             words: $words,
             menu: "Pen",
             when: always,
-            run: |editor| cook(editor, $at),
+            run: |_, state, out| cook(state, $at, out),
         }
     };
 }
 
 /// A change of a setting of the pen.
-fn set(editor: &mut Editor, change: impl FnOnce(&mut crate::core::pen::Settings)) {
-    let mut settings: Settings = editor.state.settings.clone();
+fn set(state: &State, out: &mut Vec<Event>, change: impl FnOnce(&mut crate::core::pen::Settings)) {
+    let mut settings: Settings = state.settings.clone();
     change(&mut settings.pen);
-    editor.apply(Event::Settings(settings.into()));
+    out.push(Event::Settings(settings.into()));
 }
 
 /// A brush of another size: that of the tool in hand.
-fn sized(editor: &mut Editor, by: f32) {
-    let hair = matches!(editor.pen.tool, PenTool::Hair(_));
-    set(editor, |pen| match hair {
+fn sized(pen: &Pen, state: &State, by: f32, out: &mut Vec<Event>) {
+    let hair = matches!(pen.tool, PenTool::Hair(_));
+    set(state, out, |pen| match hair {
         true => pen.hair_brush = (pen.hair_brush() * by).clamp(0.1, 50.0),
         false => pen.brush = (pen.brush() * by).clamp(0.05, 20.0),
     });
@@ -74,10 +79,9 @@ fn sized(editor: &mut Editor, by: f32) {
 
 /// Takes up a tool on strokes, or on hair or a mask the one of the same name. Where hair was sketched and no stroke was drawn it is
 /// hair that is meant.
-fn same_on_hair(editor: &mut Editor, strokes: PenTool, hair: Tool) {
-    let state = &editor.state;
+fn same_on_hair(pen: &mut Pen, state: &State, strokes: PenTool, hair: Tool) {
     let sketched = target::of(state).is_none() && super::hair::target::of(state).is_some();
-    editor.pen.tool = match editor.pen.tool {
+    pen.tool = match pen.tool {
         PenTool::Mask(_) if matches!(hair, Tool::Point | Tool::Redraw) => strokes,
         PenTool::Hair(_) => PenTool::Hair(Some(hair)),
         PenTool::Select | PenTool::Draw if sketched => PenTool::Hair(Some(hair)),
@@ -91,7 +95,7 @@ fn same_on_hair(editor: &mut Editor, strokes: PenTool, hair: Tool) {
 }
 
 /// What can be done by name.
-pub(crate) const ACTIONS: &[Action] = &[
+pub(crate) const ACTIONS: &[Of<Pen>] = &[
     tool!(
         "pen.select",
         Select,
@@ -113,11 +117,11 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "region outline scalp grow closed where",
         menu: "Pen",
         when: a_head,
-        run: |editor| {
-            let head = target::head(&editor.state.document);
-            let off = head.is_some() && editor.state.pinned == head;
-            editor.pen.tool = if off { PenTool::Select } else { PenTool::Draw };
-            editor.apply(Event::Pin(head.filter(|_| !off)));
+        run: |pen, state, out| {
+            let head = target::head(&state.document);
+            let off = head.is_some() && state.pinned == head;
+            pen.tool = if off { PenTool::Select } else { PenTool::Draw };
+            out.push(Event::Pin(head.filter(|_| !off)));
         },
     },
     tool!(
@@ -162,7 +166,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "size radius",
         menu: "",
         when: always,
-        run: |editor| sized(editor, 1.0 / 1.25),
+        run: |pen, state, out| sized(pen, state, 1.0 / 1.25, out),
     },
     Action {
         id: "pen.brush_larger",
@@ -171,7 +175,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "size radius",
         menu: "",
         when: always,
-        run: |editor| sized(editor, 1.25),
+        run: |pen, state, out| sized(pen, state, 1.25, out),
     },
     Action {
         id: "pen.weaker",
@@ -180,7 +184,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "strength opacity",
         menu: "",
         when: always,
-        run: |editor| set(editor, |pen| pen.strength = (pen.strength() - 0.1).max(0.05)),
+        run: |_, state, out| set(state, out, |pen| pen.strength = (pen.strength() - 0.1).max(0.05)),
     },
     Action {
         id: "pen.stronger",
@@ -189,7 +193,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "strength opacity",
         menu: "",
         when: always,
-        run: |editor| set(editor, |pen| pen.strength = (pen.strength() + 0.1).min(1.0)),
+        run: |_, state, out| set(state, out, |pen| pen.strength = (pen.strength() + 0.1).min(1.0)),
     },
     Action {
         id: "pen.lighter",
@@ -198,7 +202,9 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "force level",
         menu: "Pen",
         when: always,
-        run: |editor| set(editor, |pen| pen.mouse_pressure = (pen.mouse_pressure - 0.1).max(0.0)),
+        run: |_, state, out| {
+            set(state, out, |pen| pen.mouse_pressure = (pen.mouse_pressure - 0.1).max(0.0))
+        },
     },
     Action {
         id: "pen.heavier",
@@ -207,7 +213,9 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "force level",
         menu: "Pen",
         when: always,
-        run: |editor| set(editor, |pen| pen.mouse_pressure = (pen.mouse_pressure + 0.1).min(1.0)),
+        run: |_, state, out| {
+            set(state, out, |pen| pen.mouse_pressure = (pen.mouse_pressure + 0.1).min(1.0))
+        },
     },
     Action {
         id: "pen.symmetry",
@@ -225,7 +233,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "tablet stylus calibrate preferences left-handed",
         menu: "Pen",
         when: always,
-        run: |editor| editor.pen.settings_open = !editor.pen.settings_open,
+        run: |pen, _, _| pen.settings_open = !pen.settings_open,
     },
     Action {
         id: "strokes.delete",
@@ -261,7 +269,9 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "flip direction turn",
         menu: "Pen",
         when: anything_picked,
-        run: |editor| each(editor, "strokes reversed", |stroke, _| Some(whole::reversed(stroke))),
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes reversed", |stroke, _| Some(whole::reversed(stroke)))
+        },
     },
     Action {
         id: "strokes.smooth",
@@ -288,8 +298,10 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "longer grow",
         menu: "Pen",
         when: anything_picked,
-        run: |editor| {
-            each(editor, "strokes extended", |stroke, _| whole::extended(stroke, End::Tip, 1.0))
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes extended", |stroke, _| {
+                whole::extended(stroke, End::Tip, 1.0)
+            })
         },
     },
     Action {
@@ -299,8 +311,10 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "trim cut",
         menu: "Pen",
         when: anything_picked,
-        run: |editor| {
-            each(editor, "strokes shortened", |stroke, _| whole::extended(stroke, End::Tip, -1.0))
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes shortened", |stroke, _| {
+                whole::extended(stroke, End::Tip, -1.0)
+            })
         },
     },
     Action {
@@ -337,7 +351,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "move along",
         menu: "Pen",
         when: points_picked,
-        run: |editor| slide(editor, 0.1),
+        run: |pen, state, out| slide(pen, state, 0.1, out),
     },
     Action {
         id: "strokes.slide_root",
@@ -346,7 +360,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "move along",
         menu: "Pen",
         when: points_picked,
-        run: |editor| slide(editor, -0.1),
+        run: |pen, state, out| slide(pen, state, -0.1, out),
     },
     Action {
         id: "strokes.refit",
@@ -355,7 +369,9 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "re-fit reset original",
         menu: "Pen",
         when: anything_picked,
-        run: |editor| each(editor, "strokes as drawn", |stroke, _| Some(cvs::refitted(stroke))),
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes as drawn", |stroke, _| Some(cvs::refitted(stroke)))
+        },
     },
     Action {
         id: "strokes.mirror_once",
@@ -382,88 +398,90 @@ pub(crate) const ACTIONS: &[Action] = &[
     recipe!(13, "recipe loose hair crop fade men barber clippers"),
 ];
 
-fn anything_picked(editor: &Editor) -> Result<(), &'static str> {
-    match editor.pen.picked == Picked::default() {
+fn anything_picked(pen: &Pen, _: &State) -> Can {
+    match pen.picked == Picked::default() {
         true => Err("pick strokes first: with \"Edit points\", click one"),
         false => Ok(()),
     }
 }
 
-fn points_picked(editor: &Editor) -> Result<(), &'static str> {
-    match editor.pen.picked.points.is_empty() {
+fn points_picked(pen: &Pen, _: &State) -> Can {
+    match pen.picked.points.is_empty() {
         true => Err("pick points first: with \"Edit points\", click one"),
         false => Ok(()),
     }
 }
 
-fn two_picked(editor: &Editor) -> Result<(), &'static str> {
-    match editor.pen.picked.touched().len() {
+fn two_picked(pen: &Pen, _: &State) -> Can {
+    match pen.picked.touched().len() {
         2 => Ok(()),
         _ => Err("pick two strokes: with \"Edit points\", click one, and the other with Shift"),
     }
 }
 
-fn any_strokes(editor: &Editor) -> Result<(), &'static str> {
-    let strokes = at(editor).map(|(node, _)| target::strokes(&editor.state.document, &node));
+fn any_strokes(_: &Pen, state: &State) -> Can {
+    let strokes = at(state).map(|(node, _)| target::strokes(&state.document, &node));
     match strokes.is_some_and(|strokes| !strokes.0.is_empty()) {
         true => Ok(()),
         false => Err("there are no strokes: draw one"),
     }
 }
 
-fn a_head(editor: &Editor) -> Result<(), &'static str> {
-    let head = target::head(&editor.state.document);
+fn a_head(_: &Pen, state: &State) -> Can {
+    let head = target::head(&state.document);
     head.map(|_| ()).ok_or("there is no head: add a head to the graph")
 }
 
 /// The node that the pen works on and the name of its input.
-fn at(editor: &Editor) -> Option<(NodeId, &'static str)> {
-    let node = target::of(&editor.state)?;
-    let kind = &editor.state.document.node(node.as_str())?.kind;
+fn at(state: &State) -> Option<(NodeId, &'static str)> {
+    let node = target::of(state)?;
+    let kind = &state.document.node(node.as_str())?.kind;
     Some((node.clone(), target::strokes_input(kind)?))
 }
 
 /// Makes edits in one step, named after the node.
-fn step(editor: &mut Editor, node: &NodeId, words: &str, edits: Vec<Edit>) {
+fn step(state: &State, node: &NodeId, words: &str, edits: Vec<Edit>, out: &mut Vec<Event>) {
     if edits.is_empty() {
         return;
     }
-    let words = format!("{}: {words}", editor.state.document.name_of(node));
-    editor.apply(Event::Begin(words));
-    editor.apply(Event::Edit(Edit::Several(edits)));
-    editor.apply(Event::End);
+    let words = format!("{}: {words}", state.document.name_of(node));
+    out.push(Event::Begin(words));
+    out.push(Event::Edit(Edit::Several(edits)));
+    out.push(Event::End);
 }
 
 /// Toggles the mirror of the node that the pen works on; with none, of the one that drawing will make.
-fn symmetry(editor: &mut Editor) {
-    if matches!(editor.pen.tool, PenTool::Mask(_)) {
-        return set(editor, |pen| pen.symmetry = !pen.symmetry);
+fn symmetry(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    if matches!(pen.tool, PenTool::Mask(_)) {
+        return set(state, out, |pen| pen.symmetry = !pen.symmetry);
     }
-    let document = &editor.state.document;
-    let strokes = !matches!(editor.pen.tool, PenTool::Hair(_));
-    let node = target::of(&editor.state).filter(|_| strokes);
+    let document = &state.document;
+    let strokes = !matches!(pen.tool, PenTool::Hair(_));
+    let node = target::of(state).filter(|_| strokes);
     let mirror = node.as_ref().and_then(|id| target::choice(document, id, "mirror"));
     let (Some(node), Some(mirror)) = (node, mirror) else {
-        set(editor, |pen| pen.symmetry = !pen.symmetry);
+        set(state, out, |pen| pen.symmetry = !pen.symmetry);
         return;
     };
     let both = mirror != "both";
     let word = if both { "both" } else { "none" };
     let setting = Setting::Known(Value::Text(word.into()));
     let edit = Edit::SetInput { node: node.clone(), input: "mirror".to_owned(), setting };
-    set(editor, |pen| pen.symmetry = both);
-    step(editor, &node, if both { "symmetry on" } else { "symmetry off" }, vec![edit]);
+    set(state, out, |pen| pen.symmetry = both);
+    step(state, &node, if both { "symmetry on" } else { "symmetry off" }, vec![edit], out);
 }
 
 /// A change of every picked stroke, in one step: what it becomes by its picked points, or none where it stays.
 fn each(
-    editor: &mut Editor,
+    pen: &Pen,
+    state: &State,
+    out: &mut Vec<Event>,
     words: &str,
     change: impl Fn(&Stroke, &BTreeSet<usize>) -> Option<Stroke>,
 ) {
-    let Some((node, input)) = at(editor) else { return };
-    let strokes = target::strokes(&editor.state.document, &node);
-    let picked = &editor.pen.picked;
+    let Some((node, input)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let picked = &pen.picked;
     let touched = picked.touched();
     let mut edits = vec![];
     for stroke in strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)) {
@@ -474,12 +492,12 @@ fn each(
             stroke,
         }));
     }
-    step(editor, &node, words, edits);
+    step(state, &node, words, edits, out);
 }
 
-fn smooth(editor: &mut Editor) {
-    let reach = editor.state.settings.pen.falloff;
-    each(editor, "strokes smoothed", |stroke, points| {
+fn smooth(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let reach = state.settings.pen.falloff;
+    each(pen, state, out, "strokes smoothed", |stroke, points| {
         let weights = match points.is_empty() {
             true => vec![1.0; stroke.samples.len()],
             false => cvs::falloff(stroke, points, reach),
@@ -488,8 +506,8 @@ fn smooth(editor: &mut Editor) {
     });
 }
 
-fn straighten(editor: &mut Editor) {
-    each(editor, "strokes straightened", |stroke, points| {
+fn straighten(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    each(pen, state, out, "strokes straightened", |stroke, points| {
         let last = stroke.samples.len().checked_sub(1)?;
         let (from, to) = match (points.first(), points.last()) {
             (Some(from), Some(to)) if from < to => (*from, *to),
@@ -499,8 +517,8 @@ fn straighten(editor: &mut Editor) {
     });
 }
 
-fn insert(editor: &mut Editor) {
-    each(editor, "points inserted", |stroke, points| {
+fn insert(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    each(pen, state, out, "points inserted", |stroke, points| {
         let ways = cvs::ways(&stroke.samples);
         let gaps = ways.windows(2).enumerate();
         let gaps = gaps.filter(|(i, _)| points.is_empty() || points.contains(i));
@@ -511,8 +529,8 @@ fn insert(editor: &mut Editor) {
     });
 }
 
-fn slide(editor: &mut Editor, by: f32) {
-    each(editor, "points slid", |stroke, points| {
+fn slide(pen: &Pen, state: &State, by: f32, out: &mut Vec<Event>) {
+    each(pen, state, out, "points slid", |stroke, points| {
         // The foremost goes first, so that the others have room.
         let mut order: Vec<usize> = points.iter().copied().collect();
         if by > 0.0 {
@@ -522,17 +540,17 @@ fn slide(editor: &mut Editor, by: f32) {
     });
 }
 
-fn pick_all(editor: &mut Editor) {
-    let Some((node, _)) = at(editor) else { return };
-    let strokes = target::strokes(&editor.state.document, &node);
+fn pick_all(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
+    let Some((node, _)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
     let strokes = strokes.0.iter().map(|stroke| stroke.id).collect();
-    editor.pen.picked = Picked { strokes, ..Picked::default() };
+    pen.picked = Picked { strokes, ..Picked::default() };
 }
 
-fn grow(editor: &mut Editor) {
-    let Some((node, _)) = at(editor) else { return };
-    let strokes = target::strokes(&editor.state.document, &node);
-    let picked = &mut editor.pen.picked;
+fn grow(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
+    let Some((node, _)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let picked = &mut pen.picked;
     let more: Vec<(u64, usize)> = picked
         .points
         .iter()
@@ -545,10 +563,10 @@ fn grow(editor: &mut Editor) {
     picked.keep(&strokes);
 }
 
-fn delete(editor: &mut Editor) {
-    let Some((node, input)) = at(editor) else { return };
-    let strokes = target::strokes(&editor.state.document, &node);
-    let picked = std::mem::take(&mut editor.pen.picked);
+fn delete(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let picked = std::mem::take(&mut pen.picked);
     let touched = picked.touched();
     let mut edits = vec![];
     for stroke in strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)) {
@@ -561,27 +579,27 @@ fn delete(editor: &mut Editor) {
         });
     }
     let words = if picked.points.is_empty() { "strokes deleted" } else { "points deleted" };
-    step(editor, &node, words, edits);
+    step(state, &node, words, edits, out);
 }
 
-fn mirror_once(editor: &mut Editor) {
-    let Some((node, input)) = at(editor) else { return };
-    let mut strokes = (*target::strokes(&editor.state.document, &node)).clone();
+fn mirror_once(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let mut strokes = (*target::strokes(&state.document, &node)).clone();
     let mut edits = vec![];
-    for id in editor.pen.picked.touched() {
+    for id in pen.picked.touched() {
         let Some(stroke) = strokes.0.iter().find(|stroke| stroke.id == id) else { continue };
         let twin = cvs::mirrored(stroke, &strokes);
         strokes.0.push(twin.clone());
         let (node, input) = (node.clone(), input.to_owned());
         edits.push(Edit::AddStroke { node, input, at: usize::MAX, stroke: twin });
     }
-    step(editor, &node, "strokes mirrored", edits);
+    step(state, &node, "strokes mirrored", edits, out);
 }
 
-fn cut(editor: &mut Editor) {
-    let Some((node, input)) = at(editor) else { return };
-    let mut strokes = (*target::strokes(&editor.state.document, &node)).clone();
-    let points = std::mem::take(&mut editor.pen.picked).points;
+fn cut(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let mut strokes = (*target::strokes(&state.document, &node)).clone();
+    let points = std::mem::take(&mut pen.picked).points;
     let mut edits = vec![];
     // From the tip on, so that numbers of points hold.
     for (id, at) in points.into_iter().rev() {
@@ -594,54 +612,52 @@ fn cut(editor: &mut Editor) {
         edits.push(Edit::ReplaceStroke { node: node.clone(), input: input.clone(), stroke: low });
         edits.push(Edit::AddStroke { node, input, at: usize::MAX, stroke: high });
     }
-    step(editor, &node, "strokes cut", edits);
+    step(state, &node, "strokes cut", edits, out);
 }
 
-fn join(editor: &mut Editor) {
-    let Some((node, input)) = at(editor) else { return };
-    let strokes = target::strokes(&editor.state.document, &node);
-    let touched = editor.pen.picked.touched();
+fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let touched = pen.picked.touched();
     // In drawing order: the first keeps its name and its root.
     let mut two = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id));
     let (Some(first), Some(second)) = (two.next(), two.next()) else { return };
     let (stroke, id) = (whole::joined(first, second), second.id);
-    editor.pen.picked = Picked { strokes: [stroke.id].into(), ..Picked::default() };
+    pen.picked = Picked { strokes: [stroke.id].into(), ..Picked::default() };
     let input = input.to_owned();
     let edits = vec![
         Edit::RemoveStroke { node: node.clone(), input: input.clone(), id },
         Edit::ReplaceStroke { node: node.clone(), input, stroke },
     ];
-    step(editor, &node, "strokes joined", edits);
+    step(state, &node, "strokes joined", edits, out);
 }
 
 /// Makes a recipe and takes up the pen, where there is something to draw. What it is made of is selected: the inspector shows
 /// what to draw into, or the colour of hair that is there.
-fn cook(editor: &mut Editor, recipe: usize) {
+fn cook(state: &State, recipe: usize, out: &mut Vec<Event>) {
     let Some(recipe) = recipes::ALL.get(recipe) else { return };
-    let state = &editor.state;
     let mirror = state.settings.pen.symmetry;
     let made = match recipe.edits(&state.document, state.active(), mirror) {
         Ok(made) => made,
         Err(why) => {
-            return editor.apply(Event::Say(Note::warning(format!("{}: {why}", recipe.label))));
+            return out.push(Event::Say(Note::warning(format!("{}: {why}", recipe.label))));
         }
     };
-    editor.apply(Event::Begin(format!("recipe: {}", recipe.label.to_lowercase())));
-    editor.apply(Event::Edit(Edit::Several(made.edits)));
-    editor.apply(Event::End);
-    editor.apply(Event::Select(Select::Nodes(vec![made.node.clone()])));
-    editor.apply(Event::Show(Room::Viewport));
-    if recipe.is_drawn() {
-        take_up_pen(editor, made.node);
-    }
+    out.push(Event::Begin(format!("recipe: {}", recipe.label.to_lowercase())));
+    out.push(Event::Edit(Edit::Several(made.edits)));
+    out.push(Event::End);
+    out.push(Event::Select(Select::Nodes(vec![made.node.clone()])));
+    out.push(Event::Show(Room::Viewport));
+    out.extend(recipe.is_drawn().then_some(Event::TakeUpPen(made.node)));
 }
 
-/// Takes up the pen for a node that is to be drawn into.
-pub(crate) fn take_up_pen(editor: &mut Editor, node: NodeId) {
-    let kind = editor.state.document.node(node.as_str()).map_or("", |node| node.kind.as_str());
-    editor.pen.tool = match kind == super::hair::target::KIND {
-        true => PenTool::Hair(None),
-        false => PenTool::Draw,
-    };
-    editor.apply(Event::Pin(Some(node)));
+impl Pen {
+    /// Takes up the tool for a node that is to be drawn into.
+    pub(crate) fn take_up(&mut self, state: &State, node: &NodeId) {
+        let kind = state.document.node(node.as_str()).map_or("", |node| node.kind.as_str());
+        self.tool = match kind == super::hair::target::KIND {
+            true => PenTool::Hair(None),
+            false => PenTool::Draw,
+        };
+    }
 }

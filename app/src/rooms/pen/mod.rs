@@ -26,6 +26,7 @@ mod target;
 mod tests;
 mod x11;
 
+use crate::core::action::Of;
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::pen::Holds;
@@ -44,6 +45,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 #[cfg(target_os = "linux")]
 pub(crate) use x11::has_pens;
+
+/// What the pen can do by name.
+pub(crate) const ACTIONS: &[&[Of<Pen>]] =
+    &[actions::ACTIONS, hair::actions::ACTIONS, mask::actions::ACTIONS];
 
 /// What the pen does in the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! The pen's bar over the picture, and the settings of each device with a strip to try them on.
 
 use super::{HAIR_TOOLS, Pen, PenTool, edits, recipes, target};
+use crate::core::action::Of;
 use crate::core::event::Event;
 use crate::core::pen::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
 use crate::core::state::State;
-use crate::editor::actions;
 use crate::widgets::panel;
 use crate::widgets::theme;
 use coif_graphs::document::edit::Edit;
@@ -111,7 +111,7 @@ impl Pen {
         out: &mut Vec<Event>,
     ) {
         for (tool, label, action) in tools {
-            let tip = actions::by_id(action).map_or("", |action| action.tip);
+            let tip = named(action).map_or("", |action| action.tip);
             let chosen = theme::choice(ui, self.tool == *tool, label);
             if chosen.on_hover_text(tip).clicked() {
                 out.push(Event::Act(action));
@@ -319,9 +319,14 @@ fn name(ui: &mut Ui, name: &str, tip: &str) {
     ui.label(egui::RichText::new(name).color(theme::QUIET)).on_hover_text(tip);
 }
 
+/// The pen's own action of an id.
+fn named(id: &str) -> Option<&'static Of<Pen>> {
+    super::ACTIONS.iter().copied().flatten().find(|action| action.id == id)
+}
+
 /// An action to press, lit while it is on.
 fn act(ui: &mut Ui, on: bool, id: &'static str, out: &mut Vec<Event>) {
-    if let Some(action) = actions::by_id(id)
+    if let Some(action) = named(id)
         && theme::choice(ui, on, action.label).on_hover_text(action.tip).clicked()
     {
         out.push(Event::Act(id));

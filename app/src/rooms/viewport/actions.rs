@@ -1,14 +1,14 @@
 //! What can be done with the view by name.
 
-use super::Step;
 use super::navigation::{FOCALS, with_focal, with_parallel_rays};
 use super::options::SHOWS;
 use super::select::names;
+use super::{Step, Viewport};
+use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::room::Room;
-use crate::core::state::Select;
-use crate::editor::Editor;
-use crate::editor::actions::{Action, always};
+use crate::core::state::{Select, State};
+use crate::core::visibility::Visibility;
 use coif_graphs::document::NodeId;
 use coif_graphs::document::graph::upstream;
 use egui::Vec2;
@@ -30,33 +30,28 @@ pub(super) fn view_action(name: &str) -> &'static str {
     found.map_or("view.frame_all", |action| action.id)
 }
 
-fn something_shown(editor: &Editor) -> Result<(), &'static str> {
-    editor.state.shown.as_ref().map(|_| ()).ok_or("nothing is displayed")
+fn something_shown(_: &Viewport, state: &State) -> Can {
+    state.shown.as_ref().map(|_| ()).ok_or("nothing is displayed")
 }
 
-fn curves_selected(editor: &Editor) -> Result<(), &'static str> {
-    match editor.state.selection.curves.is_empty() {
+fn curves_selected(_: &Viewport, state: &State) -> Can {
+    match state.selection.curves.is_empty() {
         true => Err("no curve is selected"),
         false => Ok(()),
     }
 }
 
-fn a_head(editor: &Editor) -> Result<(), &'static str> {
-    let shown = editor.state.shown.as_ref();
+fn a_head(_: &Viewport, state: &State) -> Can {
+    let shown = state.shown.as_ref();
     match shown.is_some_and(|shown| !shown.scalps.is_empty()) {
         true => Ok(()),
         false => Err("no head is displayed"),
     }
 }
 
-fn step(editor: &mut Editor, step: Step) {
-    let now = editor.now;
-    editor.viewport.step(&editor.state, now, step);
-}
-
 /// The names by which the selected curves are hidden or alone: their own.
-fn selected(editor: &Editor) -> BTreeSet<u64> {
-    editor.state.selection.curves.clone()
+fn selected(state: &State) -> BTreeSet<u64> {
+    state.selection.curves.clone()
 }
 
 macro_rules! view {
@@ -68,7 +63,7 @@ macro_rules! view {
             words: "camera view look from",
             menu: "View",
             when: something_shown,
-            run: |editor| editor.viewport.look_from($name, &editor.state),
+            run: |viewport, state, _| viewport.look_from($name, state),
         }
     };
 }
@@ -82,8 +77,8 @@ macro_rules! toggle {
             words: $words,
             menu: "View",
             when: always,
-            run: |editor| {
-                let options = &mut editor.viewport.options;
+            run: |viewport, _, _| {
+                let options = &mut viewport.options;
                 options.$field = !options.$field;
             },
         }
@@ -99,13 +94,13 @@ macro_rules! key_step {
             words: "orbit pan zoom keyboard view",
             menu: "",
             when: always,
-            run: |editor| step(editor, $step),
+            run: |viewport, state, _| viewport.step(state, state.now, $step),
         }
     };
 }
 
 /// The room's part of the table.
-pub(crate) const ACTIONS: &[Action] = &[
+pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.frame_selected",
         label: "Frame selected",
@@ -113,7 +108,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "focus zoom fit look at",
         menu: "View",
         when: something_shown,
-        run: |editor| editor.viewport.frame_selected(&editor.state),
+        run: |viewport, state, _| viewport.frame_selected(state),
     },
     Action {
         id: "view.frame_head",
@@ -122,7 +117,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "focus zoom fit look at skull",
         menu: "View",
         when: a_head,
-        run: |editor| editor.viewport.frame_heads(&editor.state),
+        run: |viewport, state, _| viewport.frame_heads(state),
     },
     Action {
         id: "view.frame_all",
@@ -131,7 +126,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "focus zoom fit home",
         menu: "View",
         when: something_shown,
-        run: |editor| editor.viewport.frame_all(&editor.state),
+        run: |viewport, state, _| viewport.frame_all(state),
     },
     Action {
         id: "view.back",
@@ -139,8 +134,8 @@ pub(crate) const ACTIONS: &[Action] = &[
         tip: "Looks from where the eye rested before. No undo step.",
         words: "previous camera back",
         menu: "View",
-        when: |editor| if editor.viewport.ways().0 { Ok(()) } else { Err("there is none before") },
-        run: |editor| editor.viewport.go(false),
+        when: |viewport, _| if viewport.ways().0 { Ok(()) } else { Err("there is none before") },
+        run: |viewport, _, _| viewport.go(false),
     },
     Action {
         id: "view.forward",
@@ -148,8 +143,8 @@ pub(crate) const ACTIONS: &[Action] = &[
         tip: "Goes forward again through the views.",
         words: "next camera forward",
         menu: "View",
-        when: |editor| if editor.viewport.ways().1 { Ok(()) } else { Err("there is none after") },
-        run: |editor| editor.viewport.go(true),
+        when: |viewport, _| if viewport.ways().1 { Ok(()) } else { Err("there is none after") },
+        run: |viewport, _, _| viewport.go(true),
     },
     view!("view.from_front", "front", "From the front"),
     view!("view.from_left", "left", "From the left"),
@@ -170,10 +165,10 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "orthographic perspective flat isometric",
         menu: "View",
         when: always,
-        run: |editor| {
-            let camera = *editor.viewport.camera();
+        run: |viewport, _, _| {
+            let camera = *viewport.camera();
             let flat = camera.orthographic.is_some();
-            editor.viewport.look(with_parallel_rays(&camera, !flat));
+            viewport.look(with_parallel_rays(&camera, !flat));
         },
     },
     Action {
@@ -182,8 +177,8 @@ pub(crate) const ACTIONS: &[Action] = &[
         tip: "A longer focal length from farther away; what is looked at keeps its size.",
         words: "focal length zoom lens telephoto",
         menu: "View",
-        when: |editor| lens(editor, 1.25),
-        run: |editor| set_lens(editor, 1.25),
+        when: |viewport, _| lens(viewport, 1.25),
+        run: |viewport, _, _| set_lens(viewport, 1.25),
     },
     Action {
         id: "view.shorter_lens",
@@ -191,8 +186,8 @@ pub(crate) const ACTIONS: &[Action] = &[
         tip: "A shorter focal length from nearer; what is looked at keeps its size.",
         words: "focal length wide angle lens",
         menu: "View",
-        when: |editor| lens(editor, 0.8),
-        run: |editor| set_lens(editor, 0.8),
+        when: |viewport, _| lens(viewport, 0.8),
+        run: |viewport, _, _| set_lens(viewport, 0.8),
     },
     Action {
         id: "view.groom",
@@ -201,7 +196,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "grey clay colours show hair",
         menu: "View",
         when: always,
-        run: |editor| editor.viewport.options.toggle_groom(),
+        run: |viewport, _, _| viewport.options.toggle_groom(),
     },
     Action {
         id: "view.next_show",
@@ -210,8 +205,8 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "cycle display mode heat map",
         menu: "View",
         when: always,
-        run: |editor| {
-            let options = &mut editor.viewport.options;
+        run: |viewport, _, _| {
+            let options = &mut viewport.options;
             let at = SHOWS.iter().position(|(words, _)| *words == options.show).unwrap_or(0);
             SHOWS[(at + 1) % SHOWS.len()].0.clone_into(&mut options.show);
         },
@@ -223,7 +218,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "exposure light gain",
         menu: "View",
         when: always,
-        run: |editor| editor.viewport.options.expose(STOP),
+        run: |viewport, _, _| viewport.options.expose(STOP),
     },
     Action {
         id: "view.darker",
@@ -232,7 +227,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "exposure light gain",
         menu: "View",
         when: always,
-        run: |editor| editor.viewport.options.expose(-STOP),
+        run: |viewport, _, _| viewport.options.expose(-STOP),
     },
     toggle!(
         "view.head",
@@ -275,16 +270,16 @@ pub(crate) const ACTIONS: &[Action] = &[
         tip: "Only the selected curves are shown; again shows all. The result stays as it is.",
         words: "solo alone local view",
         menu: "View",
-        when: |editor| match editor.state.visibility.alone.is_empty() {
-            true => curves_selected(editor),
+        when: |viewport, state| match state.visibility.alone.is_empty() {
+            true => curves_selected(viewport, state),
             false => Ok(()),
         },
-        run: |editor| {
-            let alone = match editor.state.visibility.alone.is_empty() {
-                true => selected(editor),
+        run: |_, state, out| {
+            let alone = match state.visibility.alone.is_empty() {
+                true => selected(state),
                 false => BTreeSet::new(),
             };
-            editor.state.visibility.alone = alone;
+            out.push(Event::Visibility(Visibility { alone, ..state.visibility.clone() }));
         },
     },
     Action {
@@ -294,10 +289,11 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "invisible eye",
         menu: "View",
         when: curves_selected,
-        run: |editor| {
-            let ids = selected(editor);
-            editor.state.visibility.hidden.extend(ids);
-            editor.apply(Event::Select(Select::Curves(BTreeSet::new())));
+        run: |_, state, out| {
+            let mut visibility = state.visibility.clone();
+            visibility.hidden.extend(selected(state));
+            out.push(Event::Visibility(visibility));
+            out.push(Event::Select(Select::Curves(BTreeSet::new())));
         },
     },
     Action {
@@ -306,13 +302,13 @@ pub(crate) const ACTIONS: &[Action] = &[
         tip: "Nothing is hidden or alone any more.",
         words: "unhide reveal visible",
         menu: "View",
-        when: |editor| match editor.state.visibility.shows_all() {
+        when: |_, state| match state.visibility.shows_all() {
             true => Err("nothing is hidden"),
             false => Ok(()),
         },
-        run: |editor| {
-            editor.state.visibility.hidden.clear();
-            editor.state.visibility.alone.clear();
+        run: |_, state, out| {
+            let locked = state.visibility.locked.clone();
+            out.push(Event::Visibility(Visibility { locked, ..Visibility::default() }));
         },
     },
     Action {
@@ -322,9 +318,9 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "protect freeze",
         menu: "View",
         when: curves_selected,
-        run: |editor| {
-            let ids = selected(editor);
-            let locked = &mut editor.state.visibility.locked;
+        run: |_, state, out| {
+            let ids = selected(state);
+            let mut locked = state.visibility.locked.clone();
             if ids.iter().all(|id| locked.contains(id)) {
                 ids.iter().for_each(|id| {
                     locked.remove(id);
@@ -332,6 +328,7 @@ pub(crate) const ACTIONS: &[Action] = &[
             } else {
                 locked.extend(ids);
             }
+            out.push(Event::Visibility(Visibility { locked, ..state.visibility.clone() }));
         },
     },
     Action {
@@ -341,16 +338,16 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "grow selection braid cluster similar",
         menu: "View",
         when: curves_selected,
-        run: |editor| {
-            let Some(shown) = editor.state.shown.clone() else { return };
-            let ids = selected(editor);
+        run: |_, state, out| {
+            let Some(shown) = &state.shown else { return };
+            let ids = selected(state);
             let kin = |n: [u64; 3]| n.into_iter().skip(1).rfind(|name| *name != 0);
             let all = || shown.curves.each().map(|(tuft, i)| names(tuft, i));
             let owners: BTreeSet<u64> =
                 all().filter(|n| ids.contains(&n[0])).filter_map(kin).collect();
             let more = all().filter(|n| kin(*n).is_some_and(|owner| owners.contains(&owner)));
             let more = ids.iter().copied().chain(more.map(|n| n[0])).collect();
-            editor.apply(Event::Select(Select::Curves(more)));
+            out.push(Event::Select(Select::Curves(more)));
         },
     },
     Action {
@@ -359,13 +356,13 @@ pub(crate) const ACTIONS: &[Action] = &[
         tip: "Shows the node that made the hair that was clicked last.",
         words: "maker source canvas find reveal",
         menu: "View",
-        when: |editor| match editor.state.active() {
-            Some(_) => curves_selected(editor),
+        when: |viewport, state| match state.active() {
+            Some(_) => curves_selected(viewport, state),
             None => Err("it is not known which node made it"),
         },
-        run: |editor| {
-            editor.apply(Event::Show(Room::Canvas));
-            editor.act("canvas.fit_selection");
+        run: |_, _, out| {
+            out.push(Event::Show(Room::Canvas));
+            out.push(Event::Act("canvas.fit_selection"));
         },
     },
     Action {
@@ -375,10 +372,12 @@ pub(crate) const ACTIONS: &[Action] = &[
               the messages list them.",
         words: "trace provenance where from why source stroke gesture origin debug",
         menu: "View",
-        when: |editor| something_shown(editor).and_then(|()| curves_selected(editor)),
-        run: |editor| {
-            let meant = editor.viewport.hair_meant(&editor.state.selection.curves);
-            meant.into_iter().for_each(|id| editor.apply(Event::WhatMade(id)));
+        when: |viewport, state| {
+            something_shown(viewport, state).and_then(|()| curves_selected(viewport, state))
+        },
+        run: |viewport, state, out| {
+            let meant = viewport.hair_meant(&state.selection.curves);
+            out.extend(meant.into_iter().map(Event::WhatMade));
         },
     },
     Action {
@@ -388,9 +387,9 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "reveal find tree list braid",
         menu: "View",
         when: curves_selected,
-        run: |editor| {
-            editor.outliner.reveal();
-            editor.apply(Event::Show(Room::Outliner));
+        run: |_, _, out| {
+            out.push(Event::Reveal);
+            out.push(Event::Show(Room::Outliner));
         },
     },
     Action {
@@ -400,14 +399,14 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "scalp bust mesh",
         menu: "View",
         when: a_head,
-        run: |editor| {
-            let document = &editor.state.document;
-            let shown = editor.state.shown.iter().flat_map(|shown| &shown.sockets);
+        run: |_, state, out| {
+            let document = &state.document;
+            let shown = state.shown.iter().flat_map(|shown| &shown.sockets);
             let way = upstream(document, shown.map(|socket| &socket.node));
             let is_head =
                 |id: &&NodeId| document.node(id.as_str()).is_some_and(|n| n.kind == "head");
             if let Some(head) = way.iter().find(is_head) {
-                editor.apply(Event::Select(Select::Nodes(vec![head.clone()])));
+                out.push(Event::Select(Select::Nodes(vec![head.clone()])));
             }
         },
     },
@@ -423,15 +422,15 @@ pub(crate) const ACTIONS: &[Action] = &[
     key_step!("view.farther", "Farther", Step::Zoom(1.0 / ZOOM)),
 ];
 
-fn lens(editor: &Editor, factor: f32) -> Result<(), &'static str> {
-    let wanted = editor.viewport.camera().focal_mm * factor;
+fn lens(viewport: &Viewport, factor: f32) -> Can {
+    let wanted = viewport.camera().focal_mm * factor;
     match (FOCALS.0 * 0.99..=FOCALS.1 * 1.01).contains(&wanted) {
         true => Ok(()),
         false => Err("there are no such lenses"),
     }
 }
 
-fn set_lens(editor: &mut Editor, factor: f32) {
-    let camera = *editor.viewport.camera();
-    editor.viewport.look(with_focal(&camera, camera.focal_mm * factor));
+fn set_lens(viewport: &mut Viewport, factor: f32) {
+    let camera = *viewport.camera();
+    viewport.look(with_focal(&camera, camera.focal_mm * factor));
 }

@@ -85,15 +85,15 @@ impl Viewport {
         }
         let (on, opens) = (self.menu.on, self.menu.opens.take());
         panel::menu_at(response, opens, |ui| match on {
-            On::Hair => action::menu(ui, HAIR, out),
+            On::Hair => action::menu(state.table, HAIR, ui, out),
             On::Head => {
-                action::menu(ui, HEAD, out);
+                action::menu(state.table, HEAD, ui, out);
                 ui.separator();
                 panel::submenu(ui, "Light and skin", |ui| chrome::looks(&mut self.options, ui));
                 self.views_menu(state, ui, out);
             }
             On::Nothing => {
-                action::menu(ui, NOTHING, out);
+                action::menu(state.table, NOTHING, ui, out);
                 ui.separator();
                 self.views_menu(state, ui, out);
                 panel::submenu(ui, "Show", |ui| chrome::shows(&mut self.options, state, ui));

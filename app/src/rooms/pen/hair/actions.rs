@@ -1,16 +1,16 @@
 //! What can be done by name while the pen works on hair: its tools, and how deep touches reach.
 
-use super::super::PenTool;
 use super::super::actions::taken_up;
+use super::super::{Pen, PenTool};
+use crate::core::action::{Action, Can, Of};
 use crate::core::event::Event;
-use crate::editor::Editor;
-use crate::editor::actions::Action;
+use crate::core::state::State;
 use coif_nodes::data::gestures::{Layer, Tool};
 
 /// A tool on hair that is taken up.
 macro_rules! hair {
     ($id:literal, $tool:expr, $label:literal, $tip:literal, $words:literal) => {
-        taken_up($id, $label, $tip, $words, |editor| editor.pen.tool = PenTool::Hair($tool))
+        taken_up($id, $label, $tip, $words, |pen, _, _| pen.tool = PenTool::Hair($tool))
     };
 }
 
@@ -24,23 +24,23 @@ macro_rules! level {
             words: "layer depth pressure light heavy",
             menu: "",
             when: on_hair,
-            run: |editor| {
-                let level = &mut editor.pen.hair.level;
+            run: |pen, _, _| {
+                let level = &mut pen.hair.level;
                 *level = Some(Layer::$level).filter(|new| *level != Some(*new));
             },
         }
     };
 }
 
-fn on_hair(editor: &Editor) -> Result<(), &'static str> {
-    match editor.pen.tool {
+fn on_hair(pen: &Pen, _: &State) -> Can {
+    match pen.tool {
         PenTool::Hair(_) => Ok(()),
         _ => Err("take up a tool for hair first: H sketches"),
     }
 }
 
 /// What can be done by name.
-pub(crate) const ACTIONS: &[Action] = &[
+pub(crate) const ACTIONS: &[Of<Pen>] = &[
     hair!(
         "hair.sketch",
         None,
@@ -167,10 +167,10 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "fine comb hairs single flyaway detail",
         menu: "Pen",
         when: on_hair,
-        run: |editor| {
-            let mut settings = editor.state.settings.clone();
+        run: |_, state, out| {
+            let mut settings = state.settings.clone();
             settings.pen.strands = !settings.pen.strands;
-            editor.apply(Event::Settings(settings.into()));
+            out.push(Event::Settings(settings.into()));
         },
     },
     level!(

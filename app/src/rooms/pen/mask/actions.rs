@@ -2,17 +2,18 @@
 
 use super::super::actions::taken_up;
 use super::{Mode, take_up};
-use crate::editor::actions::{Action, always};
+use crate::core::action::{Action, Of, always};
+use crate::rooms::pen::Pen;
 
 /// A tool that is taken up.
 macro_rules! paints {
     ($id:literal, $mode:ident, $label:literal, $tip:literal, $words:literal) => {
-        taken_up($id, $label, $tip, $words, |editor| take_up(&mut editor.pen, Mode::$mode))
+        taken_up($id, $label, $tip, $words, |pen, _, _| take_up(pen, Mode::$mode))
     };
 }
 
 /// What can be done by name.
-pub(crate) const ACTIONS: &[Action] = &[
+pub(crate) const ACTIONS: &[Of<Pen>] = &[
     paints!(
         "mask.paint",
         Paint,
@@ -48,7 +49,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "closed outline region lasso",
         menu: "Pen",
         when: always,
-        run: |editor| editor.pen.mask.closed = !editor.pen.mask.closed,
+        run: |pen, _, _| pen.mask.closed = !pen.mask.closed,
     },
     Action {
         id: "mask.by_section",
@@ -57,6 +58,6 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "parting border within",
         menu: "Pen",
         when: always,
-        run: |editor| editor.pen.mask.by_section = !editor.pen.mask.by_section,
+        run: |pen, _, _| pen.mask.by_section = !pen.mask.by_section,
     },
 ];
