@@ -5,6 +5,7 @@ use crate::core::state::State;
 use crate::library::{self, Entry};
 use coif_graphs::document::{NodeId, Origin, Point, Thumbnail};
 use coif_graphs::template::Told;
+use egui::{Context, DragAndDrop};
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -173,4 +174,20 @@ impl Offer {
     pub(crate) fn version(&self) -> &str {
         &self.entry.origin.version
     }
+}
+
+/// A template in the hand.
+pub(crate) struct Held {
+    pub(crate) template: Arc<Listed>,
+    pub(crate) picture: Option<egui::TextureHandle>,
+}
+
+/// The template that was let go of over a place of the canvas, as what happened.
+pub(crate) fn dropped(ctx: &Context, at: Point) -> Option<super::event::Event> {
+    if !ctx.input(|input| input.pointer.any_released()) {
+        return None;
+    }
+    let held = DragAndDrop::take_payload::<Held>(ctx)?;
+    let template = Which(held.template.clone());
+    Some(super::event::Event::Templates(Event::Add { template, at: Some(at) }))
 }

@@ -82,6 +82,17 @@ pub(crate) fn text_field(
     None
 }
 
+/// What a declaration says that 0 means, where that is no amount: "0: no limit", "0 takes half the width".
+pub(crate) fn zero_words(doc: &str) -> Option<&str> {
+    if [" 0 takes ", " 0 finds "].iter().any(|words| doc.contains(words)) {
+        return Some("auto");
+    }
+    let (_, words) = doc.split_once(" 0: ")?;
+    let end = words.find(['.', ';', ',']).unwrap_or(words.len());
+    let words = &words[..end];
+    Some(if words.len() <= 18 { words } else { "auto" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -39,7 +39,7 @@ use crate::core::faces::{self, FaceCache, Faces, arrange};
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::state::{Select, State};
-use crate::rooms::templates;
+use crate::core::templates;
 use crate::widgets::theme;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Point, wiring};

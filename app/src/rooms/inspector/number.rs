@@ -4,6 +4,7 @@
 //! unit, every other unit of the same kind can be typed. Documents hold cm, degrees and fractions of one: what this
 //! module returns is in those. It never returns what is not finite, and reads any text in time linear in its length.
 
+use crate::words::shortest;
 use coif_nodes::define::{InputDef, Type, Unit};
 
 /// The longest text that is read; arithmetic is short.
@@ -77,19 +78,24 @@ impl Scale {
     /// The number as the field shows it: at most three digits that count, whole numbers whole, with its unit.
     pub(crate) fn text(&self, x: f64) -> String {
         let digits = if self.whole { 19 } else { 3 };
-        format!("{}{}", plain(x / self.shown, digits), self.suffix)
+        format!("{}{}", shortest(x / self.shown, digits), self.suffix)
     }
 
     /// The number as the field shows it while it is typed: every digit that counts.
     pub(crate) fn exact(&self, x: f64) -> String {
         // Seven digits are what an f32 tells apart; whole numbers are told in full.
         let digits = if self.whole { 19 } else { 7 };
-        format!("{}{}", plain(x / self.shown, digits), self.suffix)
+        format!("{}{}", shortest(x / self.shown, digits), self.suffix)
     }
 
     /// A range in the shown unit.
     pub(crate) fn range(&self, (lo, hi): (f64, f64)) -> String {
-        format!("{} to {}{}", plain(lo / self.shown, 7), plain(hi / self.shown, 7), self.suffix)
+        format!(
+            "{} to {}{}",
+            shortest(lo / self.shown, 7),
+            shortest(hi / self.shown, 7),
+            self.suffix
+        )
     }
 
     /// The step of one nudge: a round number in the shown unit, a hundredth of the slider or less; 1 for whole numbers.
@@ -112,7 +118,7 @@ impl Scale {
         if self.whole {
             x
         } else {
-            plain(x / self.shown, 9).parse::<f64>().unwrap_or(x) * self.shown
+            shortest(x / self.shown, 9).parse::<f64>().unwrap_or(x) * self.shown
         }
     }
 
@@ -188,20 +194,6 @@ impl Scale {
             _ => return None,
         })
     }
-}
-
-/// `x` with at most `digits` digits that count, without zeros at its end.
-pub(crate) fn plain(x: f64, digits: usize) -> String {
-    if !x.is_finite() {
-        return x.to_string();
-    }
-    let magnitude = if x == 0.0 { 0 } else { x.abs().log10().floor() as i32 };
-    let decimals = (digits as i32 - 1 - magnitude).clamp(0, 12) as usize;
-    let mut text = format!("{x:.decimals$}");
-    if text.contains('.') {
-        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
-    }
-    if text == "-0" { "0".to_owned() } else { text }
 }
 
 fn short(text: &str) -> String {

@@ -10,7 +10,7 @@ use super::target::{Held, How, Target};
 use super::wheel;
 use crate::core::documents;
 use crate::core::event::Event;
-use crate::widgets::text::{icon_button, set_name, spoken, text_field};
+use crate::widgets::text::{icon_button, set_name, spoken, text_field, zero_words};
 use crate::widgets::theme;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gestures, Tool};
@@ -192,17 +192,6 @@ fn unset_words(doc: &str) -> Option<&str> {
     let (_, words) = doc.split_once("Unset: ")?;
     let end = words.find(['.', ';', ',']).unwrap_or(words.len());
     Some(&words[..end]).filter(|words| words.len() < 24)
-}
-
-/// What a declaration says that 0 means, where that is no amount: "0: no limit", "0 takes half the width".
-pub(crate) fn zero_words(doc: &str) -> Option<&str> {
-    if [" 0 takes ", " 0 finds "].iter().any(|words| doc.contains(words)) {
-        return Some("auto");
-    }
-    let (_, words) = doc.split_once(" 0: ")?;
-    let end = words.find(['.', ';', ',']).unwrap_or(words.len());
-    let words = &words[..end];
-    Some(if words.len() <= 18 { words } else { "auto" })
 }
 
 /// Another seed tag from 1 to 99,999, the same for the same one.

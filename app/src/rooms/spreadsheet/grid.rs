@@ -152,7 +152,7 @@ impl Spreadsheet {
     /// The rows of lowest, highest, mean and NaN.
     fn statistics_rows(&self, ui: &Ui, layout: &Layout, from: f32) {
         let font = TextStyle::Monospace.resolve(ui.style());
-        let plain = |x: f64| crate::rooms::inspector::number::plain(x, 5);
+        let plain = |x: f64| crate::words::shortest(x, 5);
         for (column, cell) in layout.cells(from) {
             let found = self.answer.as_ref().and_then(|a| a.statistics.get(&column.name));
             let Some(found) = found else { continue };

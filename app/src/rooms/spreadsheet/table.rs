@@ -78,7 +78,7 @@ impl Cell {
         match self {
             Cell::Empty => String::new(),
             Cell::Whole(x) => x.to_string(),
-            Cell::Number(x) => crate::rooms::inspector::number::plain(*x, 6),
+            Cell::Number(x) => crate::words::shortest(*x, 6),
             Cell::Id(0) => "none".to_owned(),
             Cell::Id(id) => format!("{id:016x}"),
             Cell::Text(text) => text.clone(),

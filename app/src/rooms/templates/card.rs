@@ -1,15 +1,12 @@
 //! A template as a card: its picture with its name, to press on, to drag into the canvas.
 
 use super::pictures::{Picture, Pictures};
-use crate::core::event::Event as EditorEvent;
-use crate::core::templates::{Event, Listed, Row, Which};
+use crate::core::templates::{Held, Listed, Row};
 use crate::widgets::theme;
-use coif_graphs::document::Point;
 use egui::{
     Align2, Color32, Context, CursorIcon, DragAndDrop, FontId, Id, Key, LayerId, Order, Pos2, Rect,
     Sense, Ui, Vec2, pos2, vec2,
 };
-use std::sync::Arc;
 
 /// Room between cards.
 pub(super) const GAP: f32 = 6.0;
@@ -164,12 +161,6 @@ impl Picture<'_> {
     }
 }
 
-/// A template in the hand.
-struct Held {
-    template: Arc<Listed>,
-    picture: Option<egui::TextureHandle>,
-}
-
 /// Draws the template in the hand at the pointer, which lies over the canvas or elsewhere; Escape lets go of it.
 pub(crate) fn carried(ctx: &Context, over: bool) {
     let Some(held) = DragAndDrop::payload::<Held>(ctx) else { return };
@@ -198,14 +189,4 @@ pub(crate) fn carried(ctx: &Context, over: bool) {
             );
         }
     }
-}
-
-/// The template that was let go of over a place of the canvas, as what happened.
-pub(crate) fn dropped(ctx: &Context, at: Point) -> Option<EditorEvent> {
-    if !ctx.input(|input| input.pointer.any_released()) {
-        return None;
-    }
-    let held = DragAndDrop::take_payload::<Held>(ctx)?;
-    let template = Which(held.template.clone());
-    Some(EditorEvent::Templates(Event::Add { template, at: Some(at) }))
 }

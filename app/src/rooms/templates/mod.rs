@@ -10,7 +10,7 @@ mod shelf;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use card::{carried, dropped};
+pub(crate) use card::carried;
 pub(crate) use shelf::Shelf;
 
 use crate::core::event::Event as EditorEvent;

@@ -401,7 +401,7 @@ fn number(x: f32) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),
         a if !(0.001..10_000.0).contains(&a) => format!("{x:.1e}"),
-        _ => crate::rooms::inspector::number::plain(f64::from(x), 3),
+        _ => crate::words::shortest(f64::from(x), 3),
     }
 }
 

@@ -145,7 +145,7 @@ pub(super) fn grips(
         // What is switched off, as by a 0 that sets no limit, has no place to be held at.
         let off = value == Number::One(0.0)
             && handle != Handle::Angle
-            && crate::rooms::inspector::value::zero_words(&input.doc()).is_some();
+            && crate::widgets::text::zero_words(&input.doc()).is_some();
         if !fits || elsewhere || by_tie || off || (handle == Handle::Along && line.len() < 2) {
             continue;
         }
