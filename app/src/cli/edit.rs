@@ -1,6 +1,6 @@
 //! `coif edit`: the window, on a graph or on the start-up groom.
 
-use super::{Exit, complain, groom, signals};
+use super::{Exit, complain, signals};
 use crate::core::state::OpenFile;
 use crate::editor::{self, Editor};
 use crate::files;
@@ -70,9 +70,9 @@ fn is_mesh(path: &std::path::Path) -> bool {
 
 fn open(
     path: &PathBuf,
-) -> Result<(coif_graphs::document::Document, OpenFile), super::carry_out::Stop> {
+) -> Result<(coif_graphs::document::Document, OpenFile), crate::jobs::stop::Stop> {
     let mut warnings = vec![];
-    let (document, _) = groom::load(path, &mut warnings)?;
+    let (document, _) = crate::jobs::open::load(path, &mut warnings)?;
     warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));
     // A shipped groom is opened by name and has no file of its own yet.
     let file = if path.exists() {

@@ -4,7 +4,7 @@
 //! anything ran, 130 asked to end. On anything but 0 no output is touched; a report is written then, too.
 
 mod batch;
-pub(crate) mod carry_out;
+mod carry_out;
 mod check;
 mod diff;
 #[cfg(feature = "editor")]
@@ -14,26 +14,27 @@ pub(crate) mod eval;
 mod fit;
 mod fmt;
 mod given;
-pub(crate) mod groom;
+mod groom;
 mod ledger;
 mod lines;
 mod measure;
-pub(crate) mod memory;
 mod merge;
 mod nodes;
 mod pack;
-pub(crate) mod progress;
+mod progress;
 #[cfg(feature = "render")]
-pub(crate) mod render;
-pub(crate) mod report;
+mod render;
 mod schema;
-pub(crate) mod signals;
+mod signals;
 mod sweep;
 mod template;
-pub(crate) mod thumbnail;
+mod thumbnail;
 mod trace;
 mod unreal;
 
+use crate::files::extension_of;
+use crate::jobs::report;
+use crate::jobs::stop::Exit;
 use crate::words::{first_of, plain};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -92,19 +93,6 @@ enum Command {
     /// instances are followed into files of the same folder, below it, or of the same package; what is not read is said with the
     /// report. A prim or curve that contradicts itself is named, the others are measured, and the exit code is 1.
     Measure(measure::MeasureArgs),
-}
-
-/// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Exit {
-    /// All done; warnings are allowed.
-    Done = 0,
-    /// A node on the way to an output failed, none of them has curves, or writing failed.
-    Failed = 1,
-    /// Wrong before anything ran.
-    Refused = 2,
-    /// Somebody asked it to end: Ctrl-C, SIGTERM, SIGHUP.
-    Interrupted = 130,
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -232,11 +220,6 @@ fn print(text: &str) -> Exit {
         }
         _ => Exit::Done,
     }
-}
-
-/// A lower-case extension without the dot.
-pub(crate) fn extension_of(path: &std::path::Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
 /// A path for messages.

@@ -29,6 +29,7 @@ pub(crate) use temporary::{Folders, end};
 pub(crate) use together::{Out, Role, Together};
 
 use std::io::{self, Write};
+use std::path::Path;
 
 /// What the system says, in the words of somebody who wants a file.
 fn said(err: &io::Error) -> String {
@@ -49,3 +50,11 @@ fn said(err: &io::Error) -> String {
 fn put_text(out: &mut Out, text: &str) -> Result<(), String> {
     out.write_all(text.as_bytes()).map_err(|err| err.to_string())
 }
+
+/// A lower-case extension without the dot.
+pub(crate) fn extension_of(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
+pub(crate) const MOST_DOCUMENT: u64 = 256 << 20;

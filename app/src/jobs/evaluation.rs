@@ -102,7 +102,7 @@ impl Evaluation {
         cache_bytes: usize,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<Self, String> {
-        let evaluator = Evaluator::new(0, cache_bytes)?.with_memory(crate::cli::memory::free);
+        let evaluator = Evaluator::new(0, cache_bytes)?.with_memory(super::memory::free);
         let shared =
             Arc::new(Shared { desk: Mutex::default(), work: Condvar::new(), wake: Box::new(wake) });
         let theirs = shared.clone();

@@ -12,6 +12,7 @@ use crate::core::room::Room;
 use crate::core::state::OpenFile;
 use crate::editor::Editor;
 use crate::files::{Role, Together, read_at_most};
+use crate::jobs::render::Request;
 use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
@@ -301,11 +302,14 @@ impl Editor {
         }
     }
 
-    fn picture(&mut self, path: PathBuf, [width, height]: [u32; 2]) {
-        let mut words = self.viewport.options.words();
-        words.extend([format!("--size={width}x{height}"), format!("--camera={PRESENT}")]);
-        words.push(format!("--samples={}", self.state.settings.samples));
-        self.export(Content::Picture(words), path);
+    fn picture(&mut self, path: PathBuf, size: [u32; 2]) {
+        let asked = Request {
+            size,
+            cameras: vec![PRESENT.to_owned()],
+            samples: self.state.settings.samples,
+            ..self.viewport.options.picture()
+        };
+        self.export(Content::Picture(asked.into()), path);
     }
 
     fn export(&mut self, content: Content, path: PathBuf) {

@@ -515,7 +515,7 @@ fn what_the_window_exports_is_what_the_command_line_writes() {
     let words = ["coif", saved.to_str().unwrap(), "--out", theirs.to_str().unwrap(), "--report"];
     let words = words.into_iter().chain(report.to_str());
     let exit = crate::cli::eval::run(Words::parse_from(words).eval);
-    assert_eq!(exit, crate::cli::Exit::Done);
+    assert_eq!(exit, crate::jobs::stop::Exit::Done);
     assert!(std::fs::read(ours).unwrap() == std::fs::read(theirs).unwrap());
     // A hash is for scripts: the command line's report has it.
     let report: serde_json::Value =

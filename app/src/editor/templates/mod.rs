@@ -2,18 +2,18 @@
 
 mod upgrade;
 
-use crate::cli::thumbnail;
 use crate::core::event::Event as EditorEvent;
 use crate::core::notes::Note;
 use crate::core::state::Select;
 use crate::core::templates::{Event, Listed, Which};
 use crate::editor::Editor;
 use crate::files::Together;
+use crate::jobs::thumbnail;
 use crate::library::{self, Entry};
 use crate::rooms::templates::at_work::{Purpose, Reading};
 use coif_graphs::document::Point;
 use coif_graphs::grooms;
-use coif_graphs::schedule::run::CancelToken;
+use coif_graphs::schedule::run::{CancelToken, Quiet};
 use coif_graphs::template::{self, Added, Place};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -148,7 +148,7 @@ impl Editor {
 
 fn drawn(path: &std::path::Path) -> Result<(), String> {
     let (cancel, mut files) = (CancelToken::default(), Together::default());
-    thumbnail::renew(path, thumbnail::SIZE, thumbnail::CAMERA, &cancel, &mut files)
+    thumbnail::renew(path, thumbnail::SIZE, thumbnail::CAMERA, &Quiet, &cancel, &mut files)
         .map_err(|stop| stop.lines().join("; "))?;
     files.place(&cancel).map_err(|(path, why)| format!("{}: {why}", path.display()))
 }

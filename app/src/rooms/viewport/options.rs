@@ -1,5 +1,6 @@
 //! How the groom is looked at: colours, lights, what is laid over it. Never part of a groom.
 
+use crate::jobs::render::Request;
 use crate::scene::{Show, Skin};
 use coif_graphs::document::SavedLook;
 use coif_shaders::surface::Tone;
@@ -82,20 +83,29 @@ impl Options {
     pub fn shown(&self) -> Show {
         self.show.parse().unwrap_or(Show::Hair(View::Hair))
     }
-    /// The same in the words of `coif render`.
-    pub fn words(&self) -> Vec<String> {
-        let mut words = vec![
-            format!("--view={}", self.show),
-            format!("--light={}", self.rig()),
-            format!("--exposure={}", self.exposure),
-            format!("--display={}", self.transform.to_lowercase().replace('.', "")),
-            format!("--model={}", self.model),
-            format!("--skin={}", self.skin()),
-            format!("--opacity={}", self.opacity),
-            format!("--share={}", self.share),
-        ];
-        words.extend((!self.head).then(|| "--no-head".to_owned()));
-        words
+    /// The same as a picture that is asked for.
+    pub(crate) fn picture(&self) -> Request {
+        let (show, view) = self.show_and_name();
+        let mut rig = Rig::named(self.rig()).unwrap_or_default();
+        rig.exposure += self.exposure;
+        Request {
+            show,
+            view,
+            rig,
+            light: self.rig().to_owned(),
+            transform: self.transform(),
+            look: Look { scalp_tint: Look::default().scalp_tint, ..self.look() },
+            skin: self.skin(),
+            head: self.head,
+            ..Request::default()
+        }
+    }
+    /// What is shown, and what it is called.
+    fn show_and_name(&self) -> (Show, String) {
+        match self.show.parse() {
+            Ok(show) => (show, self.show.clone()),
+            Err(_) => (self.shown(), "hair".to_owned()),
+        }
     }
     /// The lights' name as the shaders know it.
     pub fn rig(&self) -> &'static str {
@@ -209,7 +219,7 @@ mod tests {
             let options = Options { skin, ..Options::default() };
             assert_eq!(options.skin().to_string(), word);
             assert_eq!(word.parse(), Ok(options.skin()));
-            assert!(options.words().contains(&format!("--skin={word}")));
+            assert_eq!(options.picture().skin, options.skin());
         }
         assert_eq!(Options::default().skin(), Skin::Auto);
     }

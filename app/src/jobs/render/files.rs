@@ -1,73 +1,33 @@
-//! The words of `coif render`'s options: sizes, numbered files, skins. Each mistake is one line that says what
-//! can be written instead.
+//! The files of pictures: their formats by their endings, and names with a place for what tells several apart. Each mistake is one line
+//! that says what can be written instead.
 
-use crate::cli::carry_out::Stop;
-use crate::cli::extension_of;
+use crate::files::extension_of;
+use crate::jobs::stop::Stop;
 use std::path::{Path, PathBuf};
-
-/// Longest side of a picture.
-pub(super) const LONGEST: u32 = 16384;
 
 /// What a picture is written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
+pub(crate) enum Format {
     /// 8 bits a channel, for a display.
     Png,
     /// Scene-linear floats.
     Exr,
 }
 
-/// `WIDTHxHEIGHT` in pixels.
-pub(super) fn size(text: &str) -> Result<[u32; 2], Stop> {
-    let wrong = || {
-        Stop::refused(format!(
-            "--size {text}: write it as WIDTHxHEIGHT in pixels, each from 1 to {LONGEST}"
-        ))
-    };
-    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    let side = |text: &str| {
-        let digits = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-        text.parse().ok().filter(|side| digits && (1..=LONGEST).contains(side)).ok_or_else(wrong)
-    };
-    Ok([side(width)?, side(height)?])
-}
+impl Format {
+    /// All of them: what their files end in.
+    pub(crate) const ALL: [(&str, Self); 2] = [("png", Self::Png), ("exr", Self::Exr)];
 
-/// A number within limits.
-pub(super) fn within(
-    option: &str,
-    value: f32,
-    (lo, hi): (f32, f32),
-    unit: &str,
-) -> Result<f32, Stop> {
-    if (lo..=hi).contains(&value) {
-        return Ok(value);
+    /// The format of a file, by its ending.
+    fn of(path: &Path) -> Option<Self> {
+        let ending = extension_of(path);
+        Self::ALL.into_iter().find(|(known, _)| *known == ending).map(|(_, format)| format)
     }
-    Err(Stop::refused(format!("{option} {value}: must be from {lo} to {hi}{unit}")))
-}
-
-/// A number of things within limits.
-pub(super) fn counted(option: &str, value: u32, most: u32) -> Result<u32, Stop> {
-    if (1..=most).contains(&value) {
-        return Ok(value);
-    }
-    Err(Stop::refused(format!("{option} {value}: must be from 1 to {most}")))
-}
-
-/// One of a few names.
-pub(super) fn named<T>(
-    option: &str,
-    text: &str,
-    known: &[&str],
-    find: impl FnOnce(&str) -> Option<T>,
-) -> Result<T, Stop> {
-    find(text).ok_or_else(|| {
-        Stop::refused(format!("{option} {text}: is not one of {}", known.join(", ")))
-    })
 }
 
 /// How many pictures are drawn, and what tells their files apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Series {
+pub(crate) enum Series {
     /// One picture.
     One,
     /// A turntable, by number.
@@ -78,18 +38,15 @@ pub(super) enum Series {
 
 /// The formats of the files to write; their names hold a number exactly when there is a turntable, and `%s` exactly when
 /// there are several cameras.
-pub(super) fn files(out: &[PathBuf], series: Series) -> Result<Vec<Format>, Stop> {
+pub(crate) fn formats(out: &[PathBuf], series: Series) -> Result<Vec<Format>, Stop> {
     if out.is_empty() {
         return Err(Stop::refused("--out FILE is needed: a picture is written as .png or .exr"));
     }
     out.iter()
         .map(|path| {
             let fault = |reason: &str| Stop::refused(format!("--out {}: {reason}", path.display()));
-            let format = match extension_of(path).as_str() {
-                "png" => Format::Png,
-                "exr" => Format::Exr,
-                _ => return Err(fault("pictures are written as .png or .exr")),
-            };
+            let format = Format::of(path)
+                .ok_or_else(|| fault("pictures are written as .png or .exr"))?;
             match (place_of_number(path), place_of_name(path), series) {
                 (Some(_), None, Series::Turntable)
                 | (None, Some(_), Series::Cameras)
@@ -130,7 +87,7 @@ fn place_of_name(path: &Path) -> Option<(&str, &str)> {
 }
 
 /// The file of one of several cameras. A name without a place for it stays as it is.
-pub(super) fn called(path: &Path, camera: &str) -> PathBuf {
+pub(crate) fn called(path: &Path, camera: &str) -> PathBuf {
     let plain: String =
         camera.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '-' }).collect();
     match place_of_name(path) {
@@ -140,7 +97,7 @@ pub(super) fn called(path: &Path, camera: &str) -> PathBuf {
 }
 
 /// The file of one picture of a turntable, numbered from 1. A name without a number stays as it is.
-pub(super) fn numbered(path: &Path, number: u32) -> PathBuf {
+pub(crate) fn numbered(path: &Path, number: u32) -> PathBuf {
     match place_of_number(path) {
         Some((before, digits, after)) => {
             path.with_file_name(format!("{before}{number:0digits$}{after}"))
@@ -158,35 +115,10 @@ mod tests {
     }
 
     #[test]
-    fn a_size_is_two_whole_numbers_of_pixels() {
-        for (text, expected) in [("1280x720", [1280, 720]), ("1x16384", [1, 16384])] {
-            assert_eq!(said(size(text)), Ok(expected));
-        }
-        for text in
-            ["", "x", "1280", "0x720", "1280x16385", "+1x2", "-1x2", "1 x2", "1x2x3", "1e3x2"]
-        {
-            let said = said(size(text)).unwrap_err();
-            assert!(said.contains("WIDTHxHEIGHT") && said.lines().count() == 1, "{text}: {said}");
-        }
-    }
-
-    #[test]
-    fn numbers_out_of_range_and_what_is_no_number_are_refused() {
-        assert_eq!(said(within("--opacity", 0.5, (0.0, 1.0), "")), Ok(0.5));
-        for value in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
-            let said = said(within("--opacity", value, (0.0, 1.0), "")).unwrap_err();
-            assert!(said.contains("from 0 to 1"), "{said}");
-        }
-        assert_eq!(said(counted("--samples", 3, 4)), Ok(3));
-        assert!(said(counted("--samples", 0, 4)).is_err());
-        assert!(said(counted("--samples", 5, 4)).is_err());
-    }
-
-    #[test]
     fn series_and_only_they_have_a_place_for_what_tells_them_apart() {
         use Series::{Cameras, One, Turntable};
         let check = |name: &str, series: Series, expected: Result<Format, &str>| {
-            let found = said(files(&[PathBuf::from(name)], series));
+            let found = said(formats(&[PathBuf::from(name)], series));
             match (found, expected) {
                 (Ok(found), Ok(expected)) => assert_eq!(found, [expected], "{name}"),
                 (Err(found), Err(words)) => assert!(found.contains(words), "{name}: {found}"),
@@ -208,7 +140,7 @@ mod tests {
         check("a%04d.png", Cameras, Err("%s"));
         check("a.jpg", One, Err(".png or .exr"));
         check("a", One, Err(".png or .exr"));
-        assert!(said(files(&[], One)).unwrap_err().contains("--out"));
+        assert!(said(formats(&[], One)).unwrap_err().contains("--out"));
     }
 
     #[test]

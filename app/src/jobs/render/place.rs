@@ -1,8 +1,8 @@
 //! Where a picture is seen from: a view of any head, one that the graph has saved, or what a node gives.
 
-use super::super::carry_out::Stop;
-use super::super::groom::Opened;
-use super::{Asked, Scene};
+use super::{Request, Scene};
+use crate::jobs::evaluate::Opened;
+use crate::jobs::stop::Stop;
 use coif_graphs::document::{NodeId, SavedView, Socket};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
@@ -67,7 +67,7 @@ impl Place {
         }
     }
 
-    fn focal_mm(&self, asked: &Asked) -> f32 {
+    fn focal_mm(&self, asked: &Request) -> f32 {
         asked.focal_mm.unwrap_or(match &self.seen {
             Seen::Saved(view) => view.focal_mm,
             Seen::Head(_) | Seen::Close(_) => camera::PORTRAIT_FOCAL,
@@ -75,7 +75,7 @@ impl Place {
     }
 
     /// For people who find the picture later.
-    pub(super) fn in_words(&self, asked: &Asked) -> String {
+    pub(super) fn in_words(&self, asked: &Request) -> String {
         match &self.seen {
             Seen::Saved(SavedView { orthographic: Some(height), .. }) => {
                 format!("{}, parallel, {height} cm high", self.name)
@@ -87,7 +87,7 @@ impl Place {
     /// The camera there; `closest` is what [`Self::socket`] gave.
     pub(super) fn camera(
         &self,
-        asked: &Asked,
+        asked: &Request,
         scene: &Scene,
         closest: Option<&Value>,
     ) -> Result<Camera, Stop> {

@@ -46,7 +46,7 @@ pub(crate) struct Report {
     pub(crate) picture: Option<Picture>,
     /// What became of the groom on another head; missing but for `coif fit`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) fit: Option<super::fit::figures::Fit>,
+    pub(crate) fit: Option<Fit>,
     /// What was used of the groom's budget; missing where it has none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) budget: Vec<Budgeted>,
@@ -166,6 +166,57 @@ pub(crate) struct Picture {
     pub(crate) first_sample_ms: f64,
     /// From the end of the evaluation to the last sample of the last picture.
     pub(crate) draw_ms: f64,
+}
+
+/// A groom on another head, beside the same at home.
+#[derive(Serialize)]
+pub(crate) struct Fit {
+    /// Landmarks of the home, in its head units.
+    pub(crate) home: String,
+    /// Landmarks of the other head, in its own.
+    pub(crate) landmarks: String,
+    /// How much of the map was taken, 0 to 1: less than 1 where all of it would fold.
+    pub(crate) part: f32,
+    /// How much the map stretches the region, in head units: least, middle, most.
+    pub(crate) stretch: [f32; 3],
+    /// Whether the graph was written in units of the other head.
+    pub(crate) baked: bool,
+    pub(crate) roots: Vec<Roots>,
+    pub(crate) sections: Vec<Parted>,
+    /// Hair of all outputs that goes deeper under the skin than it may, and how deep (cm) the deepest. Guides are no hair.
+    pub(crate) inside: usize,
+    pub(crate) deepest_cm: f32,
+}
+
+/// Roots of a node, or of an output's group.
+#[derive(Serialize)]
+pub(crate) struct Roots {
+    pub(crate) name: String,
+    /// How many there are at home and on the other head.
+    pub(crate) home: usize,
+    pub(crate) here: usize,
+    /// Those at home that are gone here, by id.
+    pub(crate) lost: usize,
+    /// Those here that are not there at home.
+    pub(crate) new: usize,
+    /// Those in the region at home that lie outside of it here.
+    pub(crate) outside: usize,
+    /// Those farther than 0.5 cm (on a head of average size) from where the map brings them.
+    pub(crate) missed: usize,
+    /// How far they lie from where the map brings them, cm: middle, 95 %, largest; null where none is on both.
+    pub(crate) drift_cm: Option<[f32; 3]>,
+}
+
+/// Sections of a parted scalp.
+#[derive(Serialize)]
+pub(crate) struct Parted {
+    pub(crate) node: String,
+    /// How many at home and on the other head.
+    pub(crate) home: usize,
+    pub(crate) here: usize,
+    /// Names that are gone, and those that are new: of sections that merged, split or moved.
+    pub(crate) gone: Vec<String>,
+    pub(crate) new: Vec<String>,
 }
 
 /// One term of the budget.
