@@ -19,7 +19,7 @@ pub mod places;
 pub mod rooms;
 #[cfg(feature = "render")]
 pub mod scene;
-#[cfg(test)]
+#[cfg(all(test, feature = "editor"))]
 mod testing;
 #[cfg(feature = "editor")]
 pub mod widgets;

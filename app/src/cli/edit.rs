@@ -3,7 +3,7 @@
 use super::{Exit, complain, signals};
 use crate::core::state::OpenFile;
 use crate::editor::{self, Editor};
-use crate::files;
+use crate::files::{self, extension_of};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -64,8 +64,7 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
 
 /// Whether a file is called as meshes are, which people hand over for grooms.
 fn is_mesh(path: &std::path::Path) -> bool {
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["obj", "gltf", "glb"].iter().any(|mesh| ending == *mesh)
+    coif_nodes::formats::mesh_in::EXTENSIONS.contains(&&*extension_of(path))
 }
 
 fn open(

@@ -30,14 +30,64 @@ pub enum Show {
 impl FromStr for Show {
     type Err = String;
 
-    /// `guides`, `clusters`, or the name of a view.
+    /// A name of [`SHOWS`], or what else a view can be called.
     fn from_str(text: &str) -> Result<Self, String> {
-        Ok(match text {
-            "guides" => Self::Guides,
-            "clusters" => Self::Clusters,
-            view => Self::Hair(view.parse()?),
-        })
+        let followed =
+            SHOWS.iter().find(|mode| mode.name == text).and_then(|mode| mode.followed.clone());
+        followed.map_or_else(|| text.parse().map(Self::Hair), Ok)
     }
+}
+
+/// A way to show hair that needs no attribute.
+pub struct Mode {
+    /// Its word, on the command line and in settings.
+    pub name: &'static str,
+    /// What menus say.
+    pub label: &'static str,
+    /// What is shown instead of hair; none where the name is a view's of all hair.
+    followed: Option<Show>,
+}
+
+impl Mode {
+    /// Whether it shows hair itself, and not what that follows.
+    #[cfg(feature = "editor")]
+    pub(crate) fn is_of_hair(&self) -> bool {
+        self.followed.is_none()
+    }
+}
+
+const fn hair(name: &'static str, label: &'static str) -> Mode {
+    Mode { name, label, followed: None }
+}
+const fn followed(name: &'static str, label: &'static str, show: Show) -> Mode {
+    Mode { name, label, followed: Some(show) }
+}
+
+/// What can be shown without attributes, in the order of menus. The first is what is shown at first.
+pub const SHOWS: &[Mode] = &[
+    hair("hair", "Hair"),
+    hair("groom", "Groom, grey"),
+    hair("cluster", "Groom by curve"),
+    hair("braid", "Groom by braid"),
+    hair("strand", "Groom by strand of the braid"),
+    hair("section", "Groom by section"),
+    followed("guides", "Guides", Show::Guides),
+    followed("clusters", "Clusters as tubes", Show::Clusters),
+    hair("length", "Length"),
+    hair("curvature", "Curvature"),
+    hair("density", "Density"),
+    hair("cvs", "Points a curve"),
+    hair("penetration", "Depth under the skin"),
+    hair("parting", "Distance from the parting"),
+    hair("width", "Width"),
+    hair("u", "Place along the curve"),
+    hair("tangent", "Direction"),
+];
+
+/// What menus say of something that is shown.
+#[cfg(feature = "editor")]
+pub(crate) fn label_of(show: &str) -> &str {
+    SHOWS.iter().find(|mode| mode.name == show).map_or(show, |mode| mode.label)
 }
 
 /// What colours heads.
@@ -160,4 +210,24 @@ fn thick(curves: &Curves) -> Curves {
         Arc::new(edited.build())
     };
     Curves::new(curves.tufts().iter().map(thick).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coif_shaders::view::NAMES;
+
+    #[test]
+    fn every_view_of_hair_is_in_the_table_and_nothing_in_it_is_an_attribute() {
+        let of_hair = SHOWS.iter().filter(|mode| mode.followed.is_none()).map(|mode| mode.name);
+        assert_eq!(of_hair.collect::<Vec<_>>(), NAMES);
+        for mode in SHOWS {
+            let show: Show = mode.name.parse().expect("a view");
+            assert!(!matches!(show, Show::Hair(View::Attribute(_))), "{}", mode.name);
+            assert_eq!(
+                mode.followed.as_ref().is_some_and(|followed| *followed == show),
+                mode.followed.is_some()
+            );
+        }
+    }
 }

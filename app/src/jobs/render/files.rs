@@ -16,7 +16,7 @@ pub(crate) enum Format {
 
 impl Format {
     /// All of them: what their files end in.
-    pub(crate) const ALL: [(&str, Self); 2] = [("png", Self::Png), ("exr", Self::Exr)];
+    pub(crate) const ALL: [(&'static str, Self); 2] = [("png", Self::Png), ("exr", Self::Exr)];
 
     /// The format of a file, by its ending.
     fn of(path: &Path) -> Option<Self> {

@@ -1,7 +1,6 @@
 //! What can be done with the view by name.
 
 use super::navigation::{FOCALS, with_focal, with_parallel_rays};
-use super::options::SHOWS;
 use super::select::names;
 use super::{Step, Viewport};
 use crate::core::action::{Action, Can, Of, always};
@@ -9,6 +8,7 @@ use crate::core::event::Event;
 use crate::core::room::Room;
 use crate::core::state::{Select, State};
 use crate::core::visibility::Visibility;
+use crate::scene::SHOWS;
 use coif_graphs::document::NodeId;
 use coif_graphs::document::graph::upstream;
 use egui::Vec2;
@@ -207,8 +207,8 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
         when: always,
         run: |viewport, _, _| {
             let options = &mut viewport.options;
-            let at = SHOWS.iter().position(|(words, _)| *words == options.show).unwrap_or(0);
-            SHOWS[(at + 1) % SHOWS.len()].0.clone_into(&mut options.show);
+            let at = SHOWS.iter().position(|mode| mode.name == options.show).unwrap_or(0);
+            SHOWS[(at + 1) % SHOWS.len()].name.clone_into(&mut options.show);
         },
     },
     Action {

@@ -1,12 +1,13 @@
 //! What stands on the picture: what it is, menus of how it is looked at, the legend, and the card of a hair.
 
 use super::drawing::HairHit;
-use super::options::{EXPOSURES, Options, SHOWS, SKIN_AUTO, SKIN_FILE, label_of};
+use super::options::{EXPOSURES, Options, SKIN_AUTO, SKIN_FILE};
 use super::status::Facts;
 use super::{Viewport, navigation};
 use crate::core::event::Event;
 use crate::core::room::Room;
 use crate::core::state::{Select, State};
+use crate::scene::{SHOWS, label_of};
 use crate::widgets::panel;
 use crate::widgets::theme;
 use coif_graphs::document::edit::Edit;
@@ -276,12 +277,13 @@ pub(super) fn view_label(name: &str) -> String {
 }
 
 pub(super) fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
-    for (i, (words, label)) in SHOWS.iter().enumerate() {
-        if [6, 8].contains(&i) {
+    let mut of_hair = true;
+    for mode in SHOWS {
+        if std::mem::replace(&mut of_hair, mode.is_of_hair()) != of_hair {
             ui.separator();
         }
-        if ui.radio(options.show == *words, *label).clicked() {
-            (*words).clone_into(&mut options.show);
+        if ui.radio(options.show == mode.name, mode.label).clicked() {
+            mode.name.clone_into(&mut options.show);
             ui.close();
         }
     }

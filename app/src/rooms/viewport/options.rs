@@ -169,46 +169,18 @@ impl Options {
     }
 }
 
-/// What can be shown without attributes: the words, and what menus say. The first is what is shown at first.
-pub const SHOWS: &[(&str, &str)] = &[
-    ("hair", "Hair"),
-    ("groom", "Groom, grey"),
-    ("cluster", "Groom by curve"),
-    ("braid", "Groom by braid"),
-    ("strand", "Groom by strand of the braid"),
-    ("section", "Groom by section"),
-    ("guides", "Guides"),
-    ("clusters", "Clusters as tubes"),
-    ("length", "Length"),
-    ("curvature", "Curvature"),
-    ("density", "Density"),
-    ("cvs", "Points a curve"),
-    ("penetration", "Depth under the skin"),
-    ("parting", "Distance from the parting"),
-    ("width", "Width"),
-    ("u", "Place along the curve"),
-    ("tangent", "Direction"),
-];
-
-/// What menus say of something that is shown.
-pub fn label_of(show: &str) -> &str {
-    SHOWS.iter().find(|(words, _)| *words == show).map_or(show, |(_, label)| label)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::label_of;
 
     #[test]
-    fn every_name_in_menus_means_something_and_defaults_are_among_them() {
-        for (words, _) in SHOWS {
-            let show: Show = words.parse().expect("a view");
-            assert!(!matches!(show, Show::Hair(View::Attribute(_))), "{words}");
-        }
+    fn what_is_set_at_first_is_among_what_can_be() {
         let options = Options::default();
         assert_eq!(options.shown(), Show::Hair(View::Hair));
         assert_eq!((options.rig(), options.look()), ("studio", Look::default()));
         assert_eq!(label_of("my_attribute"), "my_attribute");
+        assert_eq!(label_of(&options.show), "Hair");
     }
 
     #[test]
