@@ -167,15 +167,15 @@ const LAYERS: &[&[&str]] = &[
     &["cli"],
 ];
 
-/// What a crate's modules import from each other.
-fn imports_of(package: &str) -> Vec<imports::Import> {
+/// The sources of a crate, by their paths below its `src`.
+fn sources_of(package: &str) -> Vec<(std::path::PathBuf, String)> {
     let root = repository().join(package).join("src");
     let below = |(path, text): (std::path::PathBuf, String)| {
         (path.strip_prefix(&root).unwrap().to_owned(), text)
     };
     let mut all: Vec<_> = sources(&[&format!("{package}/src")]).into_iter().map(below).collect();
     all.sort();
-    imports::imports(&all)
+    all
 }
 
 /// What goes up or sideways, a line each with its place.
@@ -204,7 +204,7 @@ fn against_the_layers(all: &[imports::Import]) -> Vec<String> {
 
 #[test]
 fn the_program_stands_in_layers_and_no_room_knows_another() {
-    let all = imports_of("app");
+    let all = imports::imports(&sources_of("app"));
     assert!(all.len() > 1000, "{} imports were read", all.len());
     let wrong = against_the_layers(&all);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -243,4 +243,19 @@ fn what_leads_up_or_sideways_is_told_with_its_place() {
     );
     check("core/state.rs", "const A: &[u8] = br#\"'\"#;\nuse crate::cli::run;", &[up]);
     check("new.rs", "use crate::words;", &["new.rs: new or words is in no layer"]);
+}
+
+#[test]
+fn what_the_program_writes_is_written_in_one_place() {
+    for (file, text) in imports::code(&sources_of("app")) {
+        if file.starts_with("files") {
+            continue;
+        }
+        for write in
+            ["fs::write", "fs::rename", "fs::copy", "fs::hard_link", "File::create", "OpenOptions"]
+        {
+            let at = text.find(write).map(|at| text[..at].matches('\n').count() + 1);
+            assert_eq!(at, None, "app/src/{}: {write}, which app/src/files does", file.display());
+        }
+    }
 }

@@ -22,7 +22,7 @@ use serde::Deserialize;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
-#[derive(Args, Clone)]
+#[derive(Args, Clone, Default)]
 pub(crate) struct EvalArgs {
     #[command(flatten)]
     pub(super) groom: GroomArgs,
@@ -52,6 +52,12 @@ pub(crate) struct EvalArgs {
     /// Files that are read besides what the graph names.
     #[arg(skip)]
     reads: Vec<PathBuf>,
+}
+
+/// Writes a groom as it is to a file.
+#[cfg(feature = "render")]
+pub(super) fn plainly(graph: &str, out: &str) -> Exit {
+    run(EvalArgs { groom: GroomArgs::of(graph), out: vec![out.into()], ..EvalArgs::default() })
 }
 
 pub(crate) fn run(mut args: EvalArgs) -> Exit {

@@ -15,7 +15,7 @@ use coif_nodes::eval::Quality;
 use std::path::{Path, PathBuf};
 
 /// What is evaluated, and how.
-#[derive(Args, Clone)]
+#[derive(Args, Clone, Default)]
 pub(crate) struct GroomArgs {
     /// The graph: a .ron file, or the name of a shipped groom
     pub(crate) graph: PathBuf,
@@ -48,11 +48,12 @@ pub(crate) struct GroomArgs {
     pub(crate) quality: QualityArg,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum QualityArg {
     /// The first tenth of the strands
     Preview,
     /// All strands
+    #[default]
     Final,
 }
 
@@ -66,6 +67,12 @@ impl From<QualityArg> for Quality {
 }
 
 impl GroomArgs {
+    /// A groom as it is, without any option.
+    #[cfg(feature = "render")]
+    pub(crate) fn of(graph: &str) -> Self {
+        Self { graph: graph.into(), ..Self::default() }
+    }
+
     /// Reads the graph, applies the options, and refuses what cannot be. `files` is told what will be read.
     pub(crate) fn open(&self, report: &mut Report, files: &mut Together) -> Result<Opened, Stop> {
         for scalp in &self.scalp {

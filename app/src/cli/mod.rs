@@ -140,28 +140,20 @@ fn start_up() -> Exit {
     }
     let drawn = Gpu::new(Precision::Best).map(drop);
     let made = free_name("start", if drawn.is_ok() { "png" } else { "usdc" });
-    // Half the samples of a still: somebody waits to see anything at all.
-    let picture = ["coif", "render", "start", "--samples", "32", "--out", &made];
-    let hair = ["coif", "eval", "start", "--out", &made];
-    let words = match drawn {
+    match drawn {
         Ok(()) => {
             complain(format!(
                 "there is no display for the editor; the start-up groom is drawn to {made}"
             ));
-            &picture[..]
+            render::plainly("start", &made)
         }
         Err(why) => {
             complain(format!(
                 "there is no display for the editor, and no picture can be drawn: {why}"
             ));
             complain(format!("the hair of the start-up groom is written to {made} instead"));
-            &hair[..]
+            eval::plainly("start", &made)
         }
-    };
-    match Args::parse_from(words).command {
-        Some(Command::Render(args)) => render::run(&args),
-        Some(Command::Eval(args)) => eval::run(args),
-        _ => Exit::Refused,
     }
 }
 

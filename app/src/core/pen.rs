@@ -1,4 +1,5 @@
-//! How each pen is to feel, as people set it: kept with the settings of the editor, by the name of the device.
+//! What others know of the pen: how each is to feel, as people set it (kept with the settings of the editor, by the name of the
+//! device), and what it has hold of.
 //!
 //! Whatever a settings file says, every answer here is a finite number in its range.
 

@@ -1,7 +1,7 @@
 //! What a person prefers, on this machine. Kept between sessions, never part of a groom.
 //!
 //! A file of an older version reads with defaults for what it lacks; what it holds beyond is ignored, and numbers that mean
-//! nothing are brought to what does. What is changed in the panel counts at once.
+//! nothing are brought to what does.
 
 use crate::core::pen;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,7 @@
 //! Templates as the window knows them: what is on the shelf, which versions are newer, an upgrade that is shown before it is done, and
 //! what can happen to them.
 
+use crate::core::event::Event as EditorEvent;
 use crate::core::state::State;
 use crate::library::{self, Entry};
 use coif_graphs::document::{NodeId, Origin, Point, Thumbnail};
@@ -183,11 +184,11 @@ pub(crate) struct Held {
 }
 
 /// The template that was let go of over a place of the canvas, as what happened.
-pub(crate) fn dropped(ctx: &Context, at: Point) -> Option<super::event::Event> {
+pub(crate) fn dropped(ctx: &Context, at: Point) -> Option<EditorEvent> {
     if !ctx.input(|input| input.pointer.any_released()) {
         return None;
     }
     let held = DragAndDrop::take_payload::<Held>(ctx)?;
     let template = Which(held.template.clone());
-    Some(super::event::Event::Templates(Event::Add { template, at: Some(at) }))
+    Some(EditorEvent::Templates(Event::Add { template, at: Some(at) }))
 }

@@ -1,7 +1,8 @@
 //! The editor: rooms around one state.
 //!
-//! Each frame every room reads the [`State`] and says what happened; [`Editor::apply`] alone changes it. The graph is
-//! evaluated and pictures are drawn on threads of their own, so that the window never waits.
+//! Each frame every room reads the [`State`] and says what happened; [`Editor::apply`] passes it on to whom it
+//! concerns, and [`State::apply`] changes the state. The graph is evaluated and pictures are drawn on threads of their own, so
+//! that the window never waits.
 //!
 //! Guarantees: the document changes only by edits that can be undone; what is selected, displayed or docked never changes a
 //! groom's hash.
@@ -119,10 +120,12 @@ impl Editor {
             move || ctx.request_repaint()
         };
         let evaluation = Evaluation::start(usual_budget(), wake)
-            .inspect_err(|why| state.notes.say(Note::error(format!("nothing is evaluated: {why}"))))
+            .inspect_err(|why| {
+                state.apply(Event::Say(Note::error(format!("nothing is evaluated: {why}"))))
+            })
             .ok();
         let keys = Keys::shipped().unwrap_or_else(|why| {
-            state.notes.say(Note::error(format!("keys.ron: {why}")));
+            state.apply(Event::Say(Note::error(format!("keys.ron: {why}"))));
             Keys::default()
         });
         Self {
@@ -191,7 +194,7 @@ impl Editor {
                 self.state.traced = line;
             }
             if let Some(made) = evaluation.take_made() {
-                self.state.made = Some(made.into());
+                self.state.apply(Event::Made(Some(made.into())));
             }
             self.state.run = evaluation.status();
         }
@@ -265,7 +268,7 @@ impl Editor {
             return;
         }
         if let Some((room, _)) = self.rooms.iter().find(|(_, rect)| rect.contains(at)) {
-            self.state.focus = *room;
+            self.state.apply(Event::Focus(*room));
         }
     }
 
@@ -274,7 +277,9 @@ impl Editor {
         let Some(action) = actions::by_id(id) else { return };
         match action.when(self) {
             Ok(()) => action.run(self),
-            Err(why) => self.state.notes.say(Note::done(format!("{}: {why}", action.label))),
+            Err(why) => {
+                self.state.apply(Event::Say(Note::done(format!("{}: {why}", action.label))))
+            }
         }
     }
 

@@ -3,6 +3,10 @@
 use super::Together;
 use coif_graphs::schedule::run::CancelToken;
 use std::path::Path;
+#[cfg(feature = "editor")]
+use std::path::PathBuf;
+#[cfg(feature = "editor")]
+use std::{fs, io};
 
 /// Writes a text file in one go; the error is one line without the path.
 pub(crate) fn write_text(target: &Path, text: &str) -> Result<(), String> {
@@ -13,6 +17,21 @@ pub(crate) fn write_text(target: &Path, text: &str) -> Result<(), String> {
 #[cfg(feature = "editor")]
 pub(crate) fn write_text_unsynced(target: &Path, text: &str) -> Result<(), String> {
     write_with(Together::unsynced(), target, text)
+}
+
+/// Gives a damaged file another name beside it, so that what takes its place does not end it; gives that name.
+#[cfg(feature = "editor")]
+pub(crate) fn set_aside(path: &Path) -> io::Result<PathBuf> {
+    let mut aside = path.as_os_str().to_owned();
+    aside.push(".bad");
+    fs::rename(path, &aside)?;
+    Ok(aside.into())
+}
+
+/// Makes a file that is there to be locked, where none is.
+#[cfg(feature = "editor")]
+pub(crate) fn new_lock(path: &Path) -> io::Result<fs::File> {
+    fs::File::create_new(path)
 }
 
 fn write_with(mut files: Together, target: &Path, text: &str) -> Result<(), String> {

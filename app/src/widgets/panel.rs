@@ -1,5 +1,4 @@
-//! Windows that stand over the rooms, and lists in menus: none covers the menu bar, none is larger than the window, and what
-//! is pressed beside an open list closes it and does nothing else.
+//! Windows that stand over the rooms, and lists in menus: none covers the menu bar, none is larger than the window.
 //!
 //! Guarantees: all that a panel or a menu holds can be reached, at any size of the window, by scrolling.
 

@@ -21,6 +21,12 @@ pub struct Import {
 
 /// What every file of a crate imports. `sources` are files below its `src`, with their texts.
 pub fn imports(sources: &[(PathBuf, String)]) -> Vec<Import> {
+    let all: BTreeSet<Vec<String>> = sources.iter().map(|(file, _)| module_of(file)).collect();
+    code(sources).iter().flat_map(|(file, text)| of_file(file, text, &all)).collect()
+}
+
+/// The same sources with blanks for comments, texts and letters, and without what is compiled for tests alone; lines stay.
+pub fn code(sources: &[(PathBuf, String)]) -> Vec<(PathBuf, String)> {
     let bare: Vec<(&PathBuf, String)> =
         sources.iter().map(|(file, text)| (file, without_words(text))).collect();
     let tested: Vec<PathBuf> =
@@ -28,9 +34,8 @@ pub fn imports(sources: &[(PathBuf, String)]) -> Vec<Import> {
     let is_code = |file: &Path| {
         !tested.iter().any(|test| file.starts_with(test) || file == test.with_extension("rs"))
     };
-    let all: BTreeSet<Vec<String>> = sources.iter().map(|(file, _)| module_of(file)).collect();
     let code = bare.iter().filter(|(file, _)| is_code(file));
-    code.flat_map(|(file, text)| of_file(file, &without_tests(text), &all)).collect()
+    code.map(|(file, text)| ((*file).clone(), without_tests(text))).collect()
 }
 
 /// The modules that lie in circles, by first-level module, with what of the circle each imports.

@@ -25,6 +25,14 @@ use coif_shaders::{Look, Model};
 use std::path::PathBuf;
 use words::within;
 
+/// What is taken where nobody asks for another.
+const SIZE: &str = "1280x720";
+const CAMERA: &str = "three-quarter";
+const SAMPLES: u32 = 64;
+const VIEW: &str = "hair";
+const DISPLAY: &str = "agx";
+const MODEL: &str = "karis";
+
 #[derive(Args, Clone)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
@@ -36,14 +44,14 @@ pub(crate) struct RenderArgs {
     #[arg(
         long,
         value_name = "WIDTHxHEIGHT",
-        default_value = "1280x720",
+        default_value = SIZE,
         allow_hyphen_values = true
     )]
     size: String,
     /// front, left, right, back, top, under, three-quarter, crown, nape, hairline, temple-left, temple-right, a view that was
     /// saved in the graph, or close:NODE to fill the picture with what NODE gives. Given several times:
     /// as many pictures of one evaluation, with %s in the file's name for theirs
-    #[arg(long, value_name = "NAME|SAVED|close:NODE", default_value = "three-quarter")]
+    #[arg(long, value_name = "NAME|SAVED|close:NODE", default_value = CAMERA)]
     camera: Vec<String>,
     /// Focal length over a film 24 mm high: 85, or a saved view's own
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
@@ -52,10 +60,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N")]
     turntable: Option<u32>,
     /// Samples in a pixel: 1 is grainy, 64 a clean still
-    #[arg(long, value_name = "N", default_value_t = 64)]
+    #[arg(long, value_name = "N", default_value_t = SAMPLES)]
     samples: u32,
     /// What is shown: hair; guides, the curves that hair follows; clusters, the same as tubes; or an attribute as colours
-    #[arg(long, value_name = "hair|guides|clusters|ATTRIBUTE", default_value = "hair")]
+    #[arg(long, value_name = "hair|guides|clusters|ATTRIBUTE", default_value = VIEW)]
     view: String,
     /// Lights: studio, backlit, overcast, flat, dark-hair, neutral; else those saved with the groom, else studio
     #[arg(long, value_name = "RIG")]
@@ -73,10 +81,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
     /// How a .png is made for a display: agx, srgb, rec1886
-    #[arg(long, value_name = "TRANSFORM", default_value = "agx")]
+    #[arg(long, value_name = "TRANSFORM", default_value = DISPLAY)]
     display: String,
     /// How hair scatters light: karis, chiang, kajiya-kay
-    #[arg(long, value_name = "MODEL", default_value = "karis")]
+    #[arg(long, value_name = "MODEL", default_value = MODEL)]
     model: String,
     /// Skin of the head: file, the colours and normal maps that its own file brings; 1 (lightest) to 10 on the Monk scale; clay;
     /// auto, the file's where it has a colour map and else 5. Without it the one saved with the groom, else auto
@@ -100,6 +108,36 @@ pub(crate) struct RenderArgs {
     /// Write what was made, and what happened, as JSON to a file (- for stdout)
     #[arg(long, value_name = "FILE|-")]
     report: Option<PathBuf>,
+}
+
+impl RenderArgs {
+    /// A picture of a groom as it is.
+    fn of(graph: &str, out: &str) -> Self {
+        Self {
+            groom: GroomArgs::of(graph),
+            out: vec![out.into()],
+            size: SIZE.to_owned(),
+            camera: vec![CAMERA.to_owned()],
+            focal: None,
+            turntable: None,
+            samples: SAMPLES,
+            view: VIEW.to_owned(),
+            light: None,
+            hdri: None,
+            hdri_rotation: None,
+            hdri_blur: None,
+            exposure: None,
+            display: DISPLAY.to_owned(),
+            model: MODEL.to_owned(),
+            skin: None,
+            opacity: 1.0,
+            share: 1.0,
+            chart: false,
+            no_head: false,
+            no_floor: false,
+            report: None,
+        }
+    }
 }
 
 /// The most pictures of a turntable, and the most samples in a pixel.
@@ -250,6 +288,11 @@ impl RenderArgs {
 const MOST_HDRI: u64 = 512 << 20;
 /// Degrees that may be asked for.
 const TURNS: (f32, f32) = (-36000.0, 36000.0);
+
+/// Draws a groom as it is, for somebody who waits to see anything at all: with half the samples of a still.
+pub(super) fn plainly(graph: &str, out: &str) -> Exit {
+    run(&RenderArgs { samples: SAMPLES / 2, ..RenderArgs::of(graph, out) })
+}
 
 pub(crate) fn run(args: &RenderArgs) -> Exit {
     carry_out(

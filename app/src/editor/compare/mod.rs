@@ -156,11 +156,11 @@ impl Editor {
     fn compare_file(&mut self, path: &Path, name: String, is_before: bool) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         match documents::life::read(&path) {
-            Err(why) => self.state.notes.say(Note::error(format!("not compared: {why}"))),
+            Err(why) => self.state.apply(Event::Say(Note::error(format!("not compared: {why}")))),
             Ok((loaded, _)) => {
                 let shown = path.display();
                 for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
-                    self.state.notes.say(Note::warning(warning.of_file(shown.to_string())));
+                    self.state.apply(Event::Say(Note::warning(warning.of_file(shown.to_string()))));
                 }
                 self.compare_document(loaded.document, OpenFile::at(path.clone()), name);
                 if let Some(compare) = &mut self.compare {

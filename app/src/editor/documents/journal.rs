@@ -10,7 +10,7 @@
 //! session. A session is alive while it holds the lock of its own lock file, which the system lets go of however it ends; so
 //! sessions do not disturb each other, and numbers of processes may be given twice.
 
-use crate::files::{remove_left, write_text_unsynced};
+use crate::files::{new_lock, remove_left, write_text_unsynced};
 use coif_graphs::document::Document;
 use coif_graphs::file::{read_bytes, write};
 use serde::{Deserialize, Serialize};
@@ -121,7 +121,7 @@ impl Journal {
             .find_map(|n| {
                 let session = format!("{:013}-{}-{n}", since.as_millis(), std::process::id());
                 let files = Files { folder: folder.to_owned(), session };
-                match File::create_new(files.lock()) {
+                match new_lock(&files.lock()) {
                     Err(err) if err.kind() == io::ErrorKind::AlreadyExists => None,
                     made => Some(made.map(|alive| (files, alive))),
                 }

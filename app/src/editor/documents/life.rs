@@ -7,6 +7,7 @@ use super::remedies::with_remedy;
 use super::watch::hash_of;
 use super::{Asking, Disk, Event, HeadChoice, Left, Next, Unsaved, journal, own_head, paths};
 use crate::core::documents::Purpose;
+use crate::core::event::Event as EditorEvent;
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::state::OpenFile;
@@ -72,7 +73,7 @@ impl Editor {
             Event::Left(at, answer) => self.left(at, answer),
             Event::Forget(path) => {
                 if let Err(why) = self.documents.recent.remove(&path) {
-                    self.state.notes.say(Note::warning(why));
+                    self.state.apply(EditorEvent::Say(Note::warning(why)));
                 }
             }
             Event::Welcome(open) => {
@@ -87,8 +88,7 @@ impl Editor {
 
     /// Does something that loses the document: at once, or after a question where something is unsaved.
     fn after_question(&mut self, next: Next) {
-        self.state.history.end(&self.state.document);
-        self.state.gesture = false;
+        self.state.apply(EditorEvent::End);
         let exports = next == Next::Close && self.documents.export.is_some();
         if self.state.history.is_changed() || exports {
             self.documents.unsaved = Some(next);
@@ -128,7 +128,7 @@ impl Editor {
     fn put(&mut self, document: Document, file: OpenFile, history: History) {
         self.replace(document, file, history);
         // What was said is about the one before.
-        self.state.notes.clear();
+        self.state.apply(EditorEvent::Hush);
         self.documents.changed = false;
         self.documents.head = None;
         self.documents.frames = Some(self.state.revision);
@@ -142,11 +142,11 @@ impl Editor {
             Some(name) => match grooms::by_name(name).map(file::read) {
                 Some(Ok(loaded)) => loaded.document,
                 Some(Err(err)) => {
-                    return self.state.notes.say(Note::error(err.of_file(name)));
+                    return self.state.apply(EditorEvent::Say(Note::error(err.of_file(name))));
                 }
                 None => {
                     let text = format!("there is no shipped groom {name:?}");
-                    return self.state.notes.say(Note::error(text));
+                    return self.state.apply(EditorEvent::Say(Note::error(text)));
                 }
             },
         };
@@ -160,7 +160,7 @@ impl Editor {
         let (loaded, hash) = match read(&path) {
             Ok(read) => read,
             Err(why) => {
-                self.state.notes.say(Note::error(format!("not opened: {why}")));
+                self.state.apply(EditorEvent::Say(Note::error(format!("not opened: {why}"))));
                 return false;
             }
         };
@@ -168,12 +168,12 @@ impl Editor {
         self.put(loaded.document, OpenFile::at(path.clone()), History::new());
         self.remember(&path);
         for warning in &loaded.warnings {
-            self.state.notes.say(Note::warning(warning.of_file(&shown)));
+            self.state.apply(EditorEvent::Say(Note::warning(warning.of_file(&shown))));
         }
         self.tell_conflicts(&shown);
         for comment in &loaded.dropped_comments {
             let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
-            self.state.notes.say(Note::warning(text));
+            self.state.apply(EditorEvent::Say(Note::warning(text)));
         }
         true
     }
@@ -184,14 +184,14 @@ impl Editor {
         if left > 0 {
             let left = crate::words::counted(left, "conflict");
             let text = format!("{shown}: {left} of a merge left to decide, in the messages");
-            self.state.notes.say(Note::warning(text));
+            self.state.apply(EditorEvent::Say(Note::warning(text)));
             self.apply(crate::core::event::Event::Show(Room::Messages));
         }
     }
 
     fn remember(&mut self, path: &Path) {
         if let Err(why) = self.documents.recent.add(path) {
-            self.state.notes.say(Note::warning(why));
+            self.state.apply(EditorEvent::Say(Note::warning(why)));
         }
     }
 
@@ -219,7 +219,7 @@ impl Editor {
             documents.watched = before;
             documents.after_save = None;
             let why = with_remedy(&why, "choose another place with Save as");
-            state.notes.say(Note::error(format!("not saved: {why}")));
+            state.apply(EditorEvent::Say(Note::error(format!("not saved: {why}"))));
             return false;
         }
         history.mark_saved(&document);
@@ -233,7 +233,7 @@ impl Editor {
         (state.document, state.history, state.file) = (document, history, file);
         documents.changed = false;
         documents.saved_at = state.now;
-        state.notes.say(Note::done(format!("saved {}", path.display())));
+        state.apply(EditorEvent::Say(Note::done(format!("saved {}", path.display()))));
         self.remember(&path);
         true
     }
@@ -315,7 +315,7 @@ impl Editor {
     fn export(&mut self, content: Content, path: PathBuf) {
         if self.documents.export.is_some() {
             let text = "an export goes on; stop it or wait for its end";
-            return self.state.notes.say(Note::warning(text));
+            return self.state.apply(EditorEvent::Say(Note::warning(text)));
         }
         let wake = self.documents.wake.clone();
         let file = self.state.file.clone();
@@ -329,7 +329,7 @@ impl Editor {
         let allow_large = self.state.allow_large;
         match Export::start(content, document, file, allow_large, path, move || wake()) {
             Ok(export) => self.documents.export = Some(export),
-            Err(why) => self.state.notes.say(Note::error(why)),
+            Err(why) => self.state.apply(EditorEvent::Say(Note::error(why))),
         }
     }
 
@@ -339,7 +339,10 @@ impl Editor {
             Disk::Keep => self.documents.changed = false,
             Disk::Reload => {
                 if self.open(&path) {
-                    self.state.notes.say(Note::done(format!("opened again: {}", path.display())));
+                    self.state.apply(EditorEvent::Say(Note::done(format!(
+                        "opened again: {}",
+                        path.display()
+                    ))));
                 }
             }
             Disk::Compare => self.compare_with_disk(),
@@ -366,7 +369,7 @@ impl Editor {
         let text = format!("restored {}: it is not saved yet", left.about.name);
         // What was restored differs from its file, whatever was done to it since.
         self.put(left.document.clone(), file, History::default());
-        self.state.notes.say(Note::done(text));
+        self.state.apply(EditorEvent::Say(Note::done(text)));
         self.tell_journal();
         if let Some(journal) = &self.documents.journal {
             journal.forget(left);
@@ -378,7 +381,9 @@ impl Editor {
         let (state, documents) = (&self.state, &self.documents);
         let Some(journal) = &documents.journal else { return };
         if let Some(why) = journal.fault() {
-            self.state.notes.say(Note::warning(format!("the last step is not safe: {why}")));
+            self.state.apply(EditorEvent::Say(Note::warning(format!(
+                "the last step is not safe: {why}"
+            ))));
             return;
         }
         let now = (state.changes, state.file.path.clone(), state.history.is_changed());
