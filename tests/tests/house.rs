@@ -259,3 +259,12 @@ fn what_the_program_writes_is_written_in_one_place() {
         }
     }
 }
+
+#[test]
+fn jobs_are_asked_for_by_types_and_not_by_words() {
+    for (file, text) in imports::code(&sources_of("app")) {
+        let reads_words = text.contains("parse_from(") || text.contains("clap::");
+        assert!(!reads_words || file.starts_with("cli"), "app/src/{} reads words", file.display());
+        assert!(!text.contains(".parse_from("), "app/src/{} makes words up", file.display());
+    }
+}

@@ -28,6 +28,14 @@ pub(crate) fn set_aside(path: &Path) -> io::Result<PathBuf> {
     Ok(aside.into())
 }
 
+/// Gives what a file holds another name too, instead of what had that: it stays there when the file is replaced. File systems that know
+/// no second names have none then.
+#[cfg(feature = "editor")]
+pub(crate) fn name_twice(path: &Path, other: &Path) {
+    let _ = fs::remove_file(other);
+    let _ = fs::hard_link(path, other);
+}
+
 /// Makes a file that is there to be locked, where none is.
 #[cfg(feature = "editor")]
 pub(crate) fn new_lock(path: &Path) -> io::Result<fs::File> {

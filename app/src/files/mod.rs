@@ -20,7 +20,7 @@ mod together;
 #[cfg(any(feature = "editor", test))]
 pub(crate) use alone::write_text;
 #[cfg(feature = "editor")]
-pub(crate) use alone::{new_lock, set_aside, write_text_unsynced};
+pub(crate) use alone::{name_twice, new_lock, set_aside, write_text_unsynced};
 #[cfg(feature = "render")]
 pub(crate) use coif_graphs::schedule::files::read_at_most;
 #[cfg(feature = "editor")]

@@ -48,15 +48,8 @@ pub fn circles(all: &[Import]) -> BTreeMap<&str, BTreeSet<&str>> {
             leads.entry(from).or_default().insert(to);
         }
     }
-    let reached = |from: &str| {
-        let (mut seen, mut next) = (BTreeSet::new(), vec![from]);
-        while let Some(at) = next.pop() {
-            next.extend(leads.get(at).into_iter().flatten().filter(|to| seen.insert(**to)));
-        }
-        seen
-    };
     let reach: BTreeMap<&str, BTreeSet<&str>> =
-        leads.keys().map(|from| (*from, reached(from))).collect();
+        leads.keys().map(|from| (*from, reached(from, &leads))).collect();
     let back = |from: &str, to: &str| reach.get(to).is_some_and(|seen| seen.contains(from));
     let mut found = BTreeMap::new();
     for (from, tos) in &leads {
@@ -66,6 +59,18 @@ pub fn circles(all: &[Import]) -> BTreeMap<&str, BTreeSet<&str>> {
         }
     }
     found
+}
+
+/// The modules that one leads to, at last.
+fn reached<'a>(from: &str, leads: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> BTreeSet<&'a str> {
+    let of = |module: &str| leads.get(module).into_iter().flatten().copied();
+    let (mut seen, mut next) = (BTreeSet::new(), of(from).collect::<Vec<_>>());
+    while let Some(at) = next.pop() {
+        if seen.insert(at) {
+            next.extend(of(at));
+        }
+    }
+    seen
 }
 
 /// The module that a file is.

@@ -10,7 +10,7 @@
 //! session. A session is alive while it holds the lock of its own lock file, which the system lets go of however it ends; so
 //! sessions do not disturb each other, and numbers of processes may be given twice.
 
-use crate::files::{new_lock, remove_left, write_text_unsynced};
+use crate::files::{name_twice, new_lock, remove_left, write_text_unsynced};
 use coif_graphs::document::Document;
 use coif_graphs::file::{read_bytes, write};
 use serde::{Deserialize, Serialize};
@@ -218,8 +218,7 @@ fn write_on(shared: &Shared, files: &Files) {
             Some(Wish::Keep(kept)) => {
                 if is_synced {
                     // A second name for the text that is about to be replaced; file systems without them have one text.
-                    let _ = std::fs::remove_file(files.synced());
-                    let _ = std::fs::hard_link(files.text(), files.synced());
+                    name_twice(&files.text(), &files.synced());
                 }
                 is_synced = false;
                 let (about, document) = *kept;

@@ -122,7 +122,7 @@ fn is_mouse(report: &Report) -> bool {
 
 impl Hair {
     /// Whether a touch is under way or waits.
-    pub(in super::super) fn is_busy(&self) -> bool {
+    pub(crate) fn is_busy(&self) -> bool {
         self.touch.is_some() || !self.waiting.is_empty()
     }
 
