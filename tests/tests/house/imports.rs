@@ -8,25 +8,25 @@ use std::path::{Path, PathBuf};
 
 /// A path from one module to another.
 #[derive(Debug)]
-pub struct Import {
+pub(crate) struct Import {
     /// Where it stands: the file, below the crate's `src`, and the line, from 1.
-    pub file: PathBuf,
-    pub line: usize,
+    pub(crate) file: PathBuf,
+    pub(crate) line: usize,
     /// The path as it is meant, without `crate`.
-    pub path: String,
+    pub(crate) path: String,
     /// The module that it stands in, and the one that it leads to.
-    pub from: Vec<String>,
-    pub to: Vec<String>,
+    pub(crate) from: Vec<String>,
+    pub(crate) to: Vec<String>,
 }
 
 /// What every file of a crate imports. `sources` are files below its `src`, with their texts.
-pub fn imports(sources: &[(PathBuf, String)]) -> Vec<Import> {
+pub(crate) fn imports(sources: &[(PathBuf, String)]) -> Vec<Import> {
     let all: BTreeSet<Vec<String>> = sources.iter().map(|(file, _)| module_of(file)).collect();
     code(sources).iter().flat_map(|(file, text)| of_file(file, text, &all)).collect()
 }
 
 /// The same sources with blanks for comments, texts and letters, and without what is compiled for tests alone; lines stay.
-pub fn code(sources: &[(PathBuf, String)]) -> Vec<(PathBuf, String)> {
+pub(crate) fn code(sources: &[(PathBuf, String)]) -> Vec<(PathBuf, String)> {
     let bare: Vec<(&PathBuf, String)> =
         sources.iter().map(|(file, text)| (file, without_words(text))).collect();
     let tested: Vec<PathBuf> =
@@ -39,7 +39,7 @@ pub fn code(sources: &[(PathBuf, String)]) -> Vec<(PathBuf, String)> {
 }
 
 /// The modules that lie in circles, by first-level module, with what of the circle each imports.
-pub fn circles(all: &[Import]) -> BTreeMap<&str, BTreeSet<&str>> {
+pub(crate) fn circles(all: &[Import]) -> BTreeMap<&str, BTreeSet<&str>> {
     let mut leads: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for import in all {
         if let (Some(from), Some(to)) = (import.from.first(), import.to.first())
@@ -97,10 +97,9 @@ fn without_words(text: &str) -> String {
             '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
             '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |at| at + 2),
             '"' => end_of_text(rest),
-            'r' if !before.is_some_and(is_word) || before == Some('b') => match raw_text(rest) {
-                Some(end) => end,
-                None => 0,
-            },
+            'r' if !before.is_some_and(is_word) || before == Some('b') => {
+                raw_text(rest).unwrap_or_default()
+            }
             '\'' => end_of_letter(rest),
             _ => 0,
         };
