@@ -10,7 +10,7 @@
 //! session. A session is alive while it holds the lock of its own lock file, which the system lets go of however it ends; so
 //! sessions do not disturb each other, and numbers of processes may be given twice.
 
-use crate::files::{name_twice, new_lock, remove_left, write_text_unsynced};
+use crate::files::{MOST_DOCUMENT, name_twice, new_lock, remove_left, write_text_unsynced};
 use coif_graphs::document::Document;
 use coif_graphs::file::{read_bytes, write};
 use serde::{Deserialize, Serialize};
@@ -26,8 +26,6 @@ use std::time::{SystemTime, UNIX_EPOCH};
 const OPENING: &str = "// coif recovery ";
 /// Sessions that are looked at: more are no crash but a habit.
 const MOST_LEFT: usize = 50;
-/// The largest text that is read back.
-const MOST_BYTES: u64 = 256 << 20;
 
 /// What is told about a kept document besides itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -293,7 +291,7 @@ pub(crate) fn leftovers(folder: &Path) -> Vec<Leftover> {
 }
 
 fn read(path: &Path) -> Option<(About, Document)> {
-    if std::fs::metadata(path).ok()?.len() > MOST_BYTES {
+    if std::fs::metadata(path).ok()?.len() > MOST_DOCUMENT {
         return None;
     }
     let bytes = std::fs::read(path).ok()?;

@@ -12,7 +12,7 @@ use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::state::OpenFile;
 use crate::editor::Editor;
-use crate::files::{Role, Together, read_at_most};
+use crate::files::{MOST_DOCUMENT, Role, Together, read_at_most};
 use crate::jobs::render::Request;
 use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
@@ -24,9 +24,6 @@ use coif_graphs::{file, grooms};
 use coif_nodes::define::Value;
 use coif_shaders::Camera;
 use std::path::{Path, PathBuf};
-
-/// The largest document that is read: strokes take 20 bytes a sample, so this holds millions.
-const MOST_BYTES: u64 = 256 << 20;
 
 /// The document that begins with nothing but a head.
 pub(crate) fn empty_head() -> Document {
@@ -439,7 +436,7 @@ const PICTURE: [u32; 2] = [1920, 1080];
 /// Reads a groom, with the hash of its bytes. The error is one line, with what to do.
 pub(in super::super) fn read(path: &Path) -> Result<(file::Loaded, u64), String> {
     let shown = path.display().to_string();
-    let bytes = read_at_most(path, MOST_BYTES)
+    let bytes = read_at_most(path, MOST_DOCUMENT)
         .map_err(|why| with_remedy(&format!("{shown}: {why}"), ""))?;
     let loaded = file::read_bytes(&bytes).map_err(|err| {
         let mend = "mend it in a text editor, or open an earlier copy";
