@@ -3,27 +3,26 @@
 //! The program's `main` only hands over to [`main`]. What is public here is public for the tests of the whole
 //! program; nobody else links to it.
 
-#[cfg(feature = "editor")]
-pub mod canvas;
 mod cli;
+#[cfg(feature = "editor")]
+pub mod core;
 #[cfg(feature = "editor")]
 pub mod editor;
 #[cfg(feature = "render")]
 mod feeders;
 mod files;
-#[cfg(feature = "editor")]
-mod inspector;
+mod jobs;
 mod library;
-#[cfg(feature = "render")]
-mod looks;
 mod pack;
-#[cfg(feature = "editor")]
-pub mod pen;
 pub mod places;
+#[cfg(feature = "editor")]
+pub mod rooms;
 #[cfg(feature = "render")]
 pub mod scene;
+#[cfg(all(test, feature = "editor"))]
+mod testing;
 #[cfg(feature = "editor")]
-pub mod viewport;
+pub mod widgets;
 mod words;
 
 /// Runs what the words of the command line ask for.

@@ -122,6 +122,21 @@ pub(crate) fn counted(number: usize, one: &str) -> String {
     format!("{} {one}{}", grouped(number), if number == 1 { "" } else { "s" })
 }
 
+/// `x` with at most `digits` digits that count, without zeros at its end.
+#[cfg(feature = "editor")]
+pub(crate) fn shortest(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return x.to_string();
+    }
+    let magnitude = if x == 0.0 { 0 } else { x.abs().log10().floor() as i32 };
+    let decimals = (digits as i32 - 1 - magnitude).clamp(0, 12) as usize;
+    let mut text = format!("{x:.decimals$}");
+    if text.contains('.') {
+        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+    }
+    if text == "-0" { "0".to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

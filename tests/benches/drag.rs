@@ -1,9 +1,9 @@
 //! A slider of cornrows under a hand, in the whole editor with its picture: how soon new hair is on the device, and how soon
 //! the picture of it is on the screen, at 960 x 600 points. Also what a frame costs the window's own thread meanwhile.
 
+use coif::core::event::Event;
+use coif::core::state::OpenFile;
 use coif::editor::Editor;
-use coif::editor::event::Event;
-use coif::editor::state::OpenFile;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Setting, Socket};
 use coif_graphs::{file, grooms};

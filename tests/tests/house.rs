@@ -1,6 +1,9 @@
 //! The house's own rules, asserted on what Cargo resolves: who may depend on whom, which features keep the same bits, which
 //! licences come in.
 
+#[path = "house/imports.rs"]
+mod imports;
+
 use coif_tests::repository;
 use serde_json::Value as Json;
 use std::collections::BTreeSet;
@@ -149,5 +152,119 @@ fn what_is_measured_does_not_hang_on_the_systems_maths() {
             let method = format!(".{maths}");
             assert!(!judged.contains(&method), "{} calls {method}", path.display());
         }
+    }
+}
+
+/// The layers of the program, lowest first: a module imports modules of lower layers alone.
+const LAYERS: &[&[&str]] = &[
+    &["words", "places", "files", "feeders"],
+    &["library", "pack", "scene"],
+    &["widgets"],
+    &["core"],
+    &["jobs"],
+    &["rooms"],
+    &["editor"],
+    &["cli"],
+];
+
+/// The sources of a crate, by their paths below its `src`.
+fn sources_of(package: &str) -> Vec<(std::path::PathBuf, String)> {
+    let root = repository().join(package).join("src");
+    let below = |(path, text): (std::path::PathBuf, String)| {
+        (path.strip_prefix(&root).unwrap().to_owned(), text)
+    };
+    let mut all: Vec<_> = sources(&[&format!("{package}/src")]).into_iter().map(below).collect();
+    all.sort();
+    all
+}
+
+/// What goes up or sideways, a line each with its place.
+fn against_the_layers(all: &[imports::Import]) -> Vec<String> {
+    let layer = |module: &str| LAYERS.iter().position(|layer| layer.contains(&module));
+    let mut wrong = vec![];
+    for import in all {
+        let (Some(from), Some(to)) = (import.from.first(), import.to.first()) else { continue };
+        let (Some(mine), Some(its)) = (layer(from), layer(to)) else {
+            wrong.push(format!("{}: {from} or {to} is in no layer", import.file.display()));
+            continue;
+        };
+        let rooms = [&import.from, &import.to].map(|module| module.get(1));
+        let sideways = match from == to {
+            true => from == "rooms" && rooms[0] != rooms[1],
+            false => mine == its,
+        };
+        if its > mine || sideways {
+            let way = if sideways { "sideways" } else { "up" };
+            let (file, line, path) = (import.file.display(), import.line, &import.path);
+            wrong.push(format!("app/src/{file}:{line}: crate::{path} leads {way}"));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn the_program_stands_in_layers_and_no_room_knows_another() {
+    let all = imports::imports(&sources_of("app"));
+    assert!(all.len() > 1000, "{} imports were read", all.len());
+    let wrong = against_the_layers(&all);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_eq!(imports::circles(&all), Default::default());
+}
+
+#[test]
+fn what_leads_up_or_sideways_is_told_with_its_place() {
+    let check = |file: &str, text: &str, told: &[&str]| {
+        let all =
+            ["cli/mod.rs", "core/state.rs", "rooms/pen/mod.rs", "rooms/canvas.rs", "words.rs"];
+        let mut all: Vec<_> = all.map(|file| (file.into(), String::new())).into();
+        all.retain(|(other, _): &(std::path::PathBuf, _)| *other != std::path::Path::new(file));
+        all.push((file.into(), text.to_owned()));
+        assert_eq!(against_the_layers(&imports::imports(&all)), told, "{text}");
+    };
+    check("rooms/canvas.rs", "use crate::core::state::State;\nuse crate::words;", &[]);
+    check(
+        "rooms/canvas.rs",
+        "use crate::{\n    words,\n    rooms::pen::{Pen as P, self},\n};",
+        &[
+            "app/src/rooms/canvas.rs:1: crate::rooms::pen::Pen leads sideways",
+            "app/src/rooms/canvas.rs:1: crate::rooms::pen leads sideways",
+        ],
+    );
+    let up = "app/src/core/state.rs:2: crate::cli::run leads up";
+    check("core/state.rs", "\nfn a() { crate::cli::run() }", &[up]);
+    check("core/state.rs", "\nfn a() { super::super::cli::run(); super::notes::x() }", &[up]);
+    check("core/state.rs", "mod a {\nuse super::super::super::cli::run;\n}", &[up]);
+    check("core/state.rs", "// crate::cli::run\nconst A: &str = \"crate::cli::run\";", &[]);
+    check("core/state.rs", "#[cfg(test)]\nmod tests { use crate::cli::run; }\nfn a<'a>() {}", &[]);
+    check(
+        "core/state.rs",
+        "#[cfg(test)]\nuse crate::cli::run;\nuse crate::cli::run;",
+        &["app/src/core/state.rs:3: crate::cli::run leads up"],
+    );
+    check("core/state.rs", "const A: &[u8] = br#\"'\"#;\nuse crate::cli::run;", &[up]);
+    check("new.rs", "use crate::words;", &["new.rs: new or words is in no layer"]);
+}
+
+#[test]
+fn what_the_program_writes_is_written_in_one_place() {
+    for (file, text) in imports::code(&sources_of("app")) {
+        if file.starts_with("files") {
+            continue;
+        }
+        for write in
+            ["fs::write", "fs::rename", "fs::copy", "fs::hard_link", "File::create", "OpenOptions"]
+        {
+            let at = text.find(write).map(|at| text[..at].matches('\n').count() + 1);
+            assert_eq!(at, None, "app/src/{}: {write}, which app/src/files does", file.display());
+        }
+    }
+}
+
+#[test]
+fn jobs_are_asked_for_by_types_and_not_by_words() {
+    for (file, text) in imports::code(&sources_of("app")) {
+        let reads_words = text.contains("parse_from(") || text.contains("clap::");
+        assert!(!reads_words || file.starts_with("cli"), "app/src/{} reads words", file.display());
+        assert!(!text.contains(".parse_from("), "app/src/{} makes words up", file.display());
     }
 }

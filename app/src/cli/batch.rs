@@ -7,10 +7,10 @@
 //! Guarantees: what is written is read by any reader of YAML 1.2, for every text in it is quoted as JSON is. Not guaranteed: that
 //! the graphs can be evaluated, which `coif check` says.
 
-use super::carry_out::Stop;
 use super::sweep::{Sweep, may_name_a_file};
 use super::{Exit, complain, shown, tell};
 use crate::files::{Role, Together};
+use crate::jobs::stop::Stop;
 use clap::Args;
 use coif_graphs::schedule::files::read_at_most;
 use coif_graphs::schedule::run::CancelToken;
@@ -98,7 +98,7 @@ fn write_job(args: &BatchArgs) -> Result<Exit, Stop> {
 fn axes(args: &BatchArgs) -> Result<Vec<Axis>, Stop> {
     let of_files = |name, paths: &[PathBuf], shipped: bool| -> Result<Axis, Stop> {
         let values = paths.iter().map(|path| {
-            let is_groom = shipped && !path.exists() && super::groom::is_shipped(path);
+            let is_groom = shipped && !path.exists() && crate::jobs::open::is_shipped(path);
             if is_groom { Ok(path.display().to_string()) } else { absolute(path) }
         });
         Ok(Axis {

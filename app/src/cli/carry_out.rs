@@ -3,52 +3,15 @@
 //! Guarantees: nothing is in place that was not asked for, nor lies beside it; on failure the report alone is written and says why.
 
 use super::ending::Ending;
-use super::report::Report;
 use super::{Exit, complain, tell};
 use crate::files::{Role, Together};
+use crate::jobs::report::Report;
+use crate::jobs::stop::{Stop, not_strict};
 use crate::words::{first_of, plain_json};
 use coif_graphs::schedule::run::CancelToken;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-
-/// Why an evaluation ended early.
-pub(crate) struct Stop(pub(super) Exit, pub(super) Vec<String>);
-
-impl Stop {
-    /// Wrong before anything ran.
-    pub(crate) fn refused(text: impl Into<String>) -> Self {
-        Self(Exit::Refused, vec![text.into()])
-    }
-    /// What to say, a line each.
-    pub(crate) fn lines(&self) -> &[String] {
-        &self.1
-    }
-    /// The code that it ends with.
-    pub(super) fn exit(&self) -> Exit {
-        self.0
-    }
-    /// Whether a person ended it.
-    #[cfg(any(feature = "render", feature = "editor"))]
-    pub(crate) fn is_interruption(&self) -> bool {
-        self.0 == Exit::Interrupted
-    }
-    /// Ended by a person.
-    pub(crate) fn interrupted() -> Self {
-        Self(Exit::Interrupted, vec!["interrupted".to_owned()])
-    }
-    /// Failed while it ran.
-    pub(crate) fn failed(text: impl Into<String>) -> Self {
-        Self(Exit::Failed, vec![text.into()])
-    }
-    /// A file could not be written, or nobody was to wait for it.
-    pub(crate) fn unwritten(path: &Path, reason: &str, cancel: &CancelToken) -> Self {
-        match cancel.is_cancelled() {
-            true => Self::interrupted(),
-            false => Self::failed(format!("{}: {reason}", path.display())),
-        }
-    }
-}
 
 /// Runs a command that evaluates: whoever asks the process to end asks `body` to stop. What `body` writes and the report are put
 /// in place together; where anything fails, the report alone is written and says why. `makes` says what is made, in a word.
@@ -314,11 +277,6 @@ fn at_once(
     }
 }
 
-/// What `--strict` says where there are warnings, which are told already.
-pub(super) fn not_strict(graph: impl AsRef<Path>) -> String {
-    format!("{}: has warnings, which --strict does not let pass", graph.as_ref().display())
-}
-
 /// Tells `files` what every command reads and writes.
 fn begin(graph: &Path, report_to: Option<&Path>, files: &mut Together) -> Result<(), Stop> {
     files
@@ -327,18 +285,6 @@ fn begin(graph: &Path, report_to: Option<&Path>, files: &mut Together) -> Result
             None => Ok(()),
             Some(path) => files.writes(path, Role::Report, format!("--report {}", path.display())),
         })
-        .map_err(Stop::refused)
-}
-
-/// Tells `files` what will be written, and refuses one file for two things. What the disk does not allow is told later, where
-/// nothing else is wrong.
-pub(crate) fn writes_all(
-    paths: impl IntoIterator<Item = PathBuf>,
-    files: &mut Together,
-) -> Result<(), Stop> {
-    paths
-        .into_iter()
-        .try_for_each(|path| files.writes(&path, Role::Output, format!("--out {}", path.display())))
         .map_err(Stop::refused)
 }
 

@@ -2,10 +2,10 @@
 //!
 //! Files that a graph names are opened and read as its nodes would read them. What only an evaluation finds is not found here.
 
-use super::carry_out::not_strict;
-use super::groom::{Read, take_said};
 use super::lines::Lines;
-use super::{Exit, complain, complain_of, ending, groom, print_plain, unreal};
+use super::{Exit, complain, complain_of, ending, print_plain, unreal};
+use crate::jobs::open::{Read, take_said};
+use crate::jobs::stop::not_strict;
 use clap::{Args, ValueEnum};
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, targets, upstream};
@@ -75,15 +75,15 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
     ending::at_once();
     let mut exit = Exit::Done;
     for path in &args.graphs {
-        let Read { loaded, text, folder, shown } = match groom::read_packed(path, args.allow_large)
-        {
-            Ok(read) => read,
-            Err(stop) => {
-                complain_of(stop.lines().to_vec());
-                exit = Exit::Refused;
-                continue;
-            }
-        };
+        let Read { loaded, text, folder, shown } =
+            match crate::jobs::open::read_packed(path, args.allow_large) {
+                Ok(read) => read,
+                Err(stop) => {
+                    complain_of(stop.lines().to_vec());
+                    exit = Exit::Refused;
+                    continue;
+                }
+            };
         let Loaded { document, warnings, conflicts, dropped_comments: _ } = loaded;
         let mut warnings: Vec<String> = warnings.iter().map(|w| w.of_file(&shown)).collect();
         let conflicts: Vec<String> = conflicts.iter().map(|c| c.of_file(&shown)).collect();

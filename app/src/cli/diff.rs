@@ -2,9 +2,9 @@
 //!
 //! Guarantees: nothing is evaluated or written; the exit code is 0 exactly when both say the same, however they are laid out as text.
 
-use super::carry_out::Stop;
-use super::groom::Read;
-use super::{Exit, complain_of, ending, groom, print, print_plain};
+use super::{Exit, complain_of, ending, print, print_plain};
+use crate::jobs::open::Read;
+use crate::jobs::stop::Stop;
 use crate::words::plain_json;
 use clap::Args;
 use coif_graphs::compare::{Change, Drawn, Said, diff, drawn, is_same_hair, lines};
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &DiffArgs) -> Exit {
 
 /// The graphs of all files, with their warnings told; else what is wrong with each that cannot be read is told.
 fn read_all<const N: usize>(paths: [&PathBuf; N]) -> Option<[Read; N]> {
-    let read = paths.iter().map(|path| groom::read_packed(path, false));
+    let read = paths.iter().map(|path| crate::jobs::open::read_packed(path, false));
     let read: Vec<Result<Read, Stop>> = read.collect();
     let wrong = read.iter().filter_map(|read| read.as_ref().err());
     let wrong: Vec<String> = wrong.flat_map(|stop| stop.lines().to_vec()).collect();

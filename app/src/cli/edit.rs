@@ -1,8 +1,9 @@
 //! `coif edit`: the window, on a graph or on the start-up groom.
 
-use super::{Exit, complain, groom, signals};
-use crate::editor::{self, Editor, state::OpenFile};
-use crate::files;
+use super::{Exit, complain, signals};
+use crate::core::state::OpenFile;
+use crate::editor::{self, Editor};
+use crate::files::{self, extension_of};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -63,15 +64,14 @@ pub(crate) fn run(args: &EditArgs) -> Exit {
 
 /// Whether a file is called as meshes are, which people hand over for grooms.
 fn is_mesh(path: &std::path::Path) -> bool {
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["obj", "gltf", "glb"].iter().any(|mesh| ending == *mesh)
+    coif_nodes::formats::mesh_in::EXTENSIONS.contains(&&*extension_of(path))
 }
 
 fn open(
     path: &PathBuf,
-) -> Result<(coif_graphs::document::Document, OpenFile), super::carry_out::Stop> {
+) -> Result<(coif_graphs::document::Document, OpenFile), crate::jobs::stop::Stop> {
     let mut warnings = vec![];
-    let (document, _) = groom::load(path, &mut warnings)?;
+    let (document, _) = crate::jobs::open::load(path, &mut warnings)?;
     warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));
     // A shipped groom is opened by name and has no file of its own yet.
     let file = if path.exists() {

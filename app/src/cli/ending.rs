@@ -6,9 +6,9 @@
 //! Guarantees: either way the exit code is 130, every output is as it was before and nothing lies beside it; and who has begun to put
 //! files in place, or to take them back, comes to the end of that. Not guaranteed: that a report which is written at once names nodes.
 
-use super::carry_out::Stop;
 use super::{Exit, complain, signals};
 use crate::files;
+use crate::jobs::stop::Stop;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;

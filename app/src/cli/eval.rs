@@ -1,26 +1,28 @@
 //! `coif eval`: a saved graph to hair.
 
-use super::carry_out::{Stop, carry_out, carry_out_each, is_stdout, writes_all};
-use super::groom::{Evaluated, GroomArgs};
-use super::progress::{Bar, Tell};
-use super::report::Report;
+use super::carry_out::{carry_out, carry_out_each, is_stdout};
+use super::groom::GroomArgs;
+use super::progress::Bar;
 use super::sweep::Sweep;
-use super::{Exit, complain, extension_of, ledger, memory, print_plain, tell};
+use super::{Exit, complain, ledger, print_plain, tell};
 use crate::files::Together;
+use crate::jobs::evaluate::Evaluated;
+use crate::jobs::export::{formats, left_out_of_abc, write_files};
+use crate::jobs::memory;
+use crate::jobs::open::writes_all;
+use crate::jobs::progress::Tell;
+use crate::jobs::report::Report;
+use crate::jobs::stop::Stop;
 use clap::Args;
 use coif_graphs::document::Document;
-use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator};
-use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::short;
-use coif_nodes::formats::export::{self, About, Format, Group};
+use coif_nodes::formats::export::Format;
 use serde::Deserialize;
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-#[derive(Args, Clone)]
+#[derive(Args, Clone, Default)]
 pub(crate) struct EvalArgs {
     #[command(flatten)]
     pub(super) groom: GroomArgs,
@@ -50,6 +52,12 @@ pub(crate) struct EvalArgs {
     /// Files that are read besides what the graph names.
     #[arg(skip)]
     reads: Vec<PathBuf>,
+}
+
+/// Writes a groom as it is to a file.
+#[cfg(feature = "render")]
+pub(super) fn plainly(graph: &str, out: &str) -> Exit {
+    run(EvalArgs { groom: GroomArgs::of(graph), out: vec![out.into()], ..EvalArgs::default() })
 }
 
 pub(crate) fn run(mut args: EvalArgs) -> Exit {
@@ -195,32 +203,6 @@ impl EvalArgs {
     }
 }
 
-/// What Alembic files leave out, a line each.
-pub(crate) fn left_out_of_abc(groups: &[Group]) -> impl Iterator<Item = String> {
-    let left_out = groups.iter().filter(|group| export::is_left_out_of_abc(group, groups));
-    left_out.map(|group| {
-        format!(
-            "{}: lines of partings are left out of .abc, whose readers would take them for guides; USD files hold them",
-            group.name
-        )
-    })
-}
-
-/// The format of each output file.
-fn formats(out: &[PathBuf]) -> Result<Vec<Format>, Stop> {
-    out.iter()
-        .map(|path| {
-            Format::of_extension(&extension_of(path)).ok_or_else(|| {
-                Stop::refused(format!(
-                    "{}: grooms are written as {}",
-                    path.display(),
-                    Format::EXTENSIONS
-                ))
-            })
-        })
-        .collect()
-}
-
 fn save(
     args: &EvalArgs,
     formats: &[Format],
@@ -241,36 +223,6 @@ fn save(
     });
     bar.clear();
     saved
-}
-
-/// Writes what outputs gave, with the names of sections by id, and with the `heads` where a format holds meshes, to files that `files` puts in place. `begins` is told
-/// each file's number and path.
-pub(crate) fn write_files(
-    document: &Document,
-    (groups, sections): (&[Group], &BTreeMap<u64, String>),
-    heads: &[Arc<Scalp>],
-    wanted: &[(&Path, Format)],
-    cancel: &CancelToken,
-    files: &mut Together,
-    begins: &dyn Fn(usize, &Path),
-) -> Result<(), Stop> {
-    let title = if document.title.is_empty() { "Groom" } else { &document.title };
-    let about = About {
-        title: title.to_owned(),
-        generator: format!("coif {}", env!("CARGO_PKG_VERSION")),
-        graph_hash: document_hash(document),
-        seed: document.seed,
-        sections: sections.clone(),
-    };
-    for (i, (path, format)) in wanted.iter().enumerate() {
-        begins(i, path);
-        let written = files.write(path, cancel, |out| {
-            export::write(*format, groups, heads, &about, out, &|| cancel.is_cancelled())
-                .map_err(|err| err.to_string())
-        });
-        written.map_err(|reason| Stop::unwritten(path, &reason, cancel))?;
-    }
-    Ok(())
 }
 
 /// What was made, for a person.

@@ -4,9 +4,10 @@
 //! none; a file that is so already is not touched; no comment is lost: one that stands where none can be kept is told, and nothing
 //! is written.
 
-use super::carry_out::{Stop, in_one_step};
-use super::{Exit, complain, groom, print};
+use super::carry_out::in_one_step;
+use super::{Exit, complain, print};
 use crate::files::{Role, Together};
+use crate::jobs::stop::Stop;
 use clap::Args;
 use coif_graphs::file;
 use coif_graphs::schedule::run::CancelToken;
@@ -73,7 +74,7 @@ fn formatted(path: &Path) -> Result<Option<String>, Vec<String>> {
     let shown = path.display();
     let refused = |why: String| vec![format!("{shown}: {why}")];
     let about = std::fs::metadata(path).map_err(|err| refused(err.to_string()))?;
-    if !about.is_file() || about.len() > groom::MOST_DOCUMENT {
+    if !about.is_file() || about.len() > crate::files::MOST_DOCUMENT {
         return Err(refused("is no file of at most 256 MiB, as graphs are".to_owned()));
     }
     let bytes = std::fs::read(path).map_err(|err| refused(err.to_string()))?;
@@ -81,7 +82,7 @@ fn formatted(path: &Path) -> Result<Option<String>, Vec<String>> {
     for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
         complain(format_args!("warning: {}", warning.of_file(path.display())));
     }
-    let lost = super::groom::lost_comments(path, &loaded.dropped_comments);
+    let lost = crate::jobs::open::lost_comments(path, &loaded.dropped_comments);
     if !lost.is_empty() {
         return Err(lost);
     }

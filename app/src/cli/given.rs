@@ -4,7 +4,7 @@
 //! Guarantees: a wire never stays before a value that was given; where an option is refused the graph is not evaluated. Whether a
 //! value makes sense to its node is not known here.
 
-use super::carry_out::Stop;
+use crate::jobs::stop::Stop;
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
 use coif_graphs::file;
 use coif_nodes::declared::PARAMETERS;

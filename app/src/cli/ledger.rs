@@ -4,7 +4,7 @@
 //! nodes. Bytes that nodes share count where they were made. Not guaranteed: that times add up to the wall time, for nodes run
 //! at once.
 
-use super::report::Node;
+use crate::jobs::report::Node;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

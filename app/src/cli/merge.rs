@@ -3,10 +3,11 @@
 //! Guarantees: the file that is written opens in every case, and `coif check` does not pass what is left to decide; base and theirs
 //! are never written over; on exit code 2 nothing was written. A comment that the result could not keep is told, and nothing is written.
 
-use super::carry_out::{Stop, in_one_step};
+use super::carry_out::in_one_step;
 use super::diff::tell_warnings;
-use super::{Exit, complain, complain_of, groom, print_plain, tell};
+use super::{Exit, complain, complain_of, print_plain, tell};
 use crate::files::{Role, Together};
+use crate::jobs::stop::Stop;
 use clap::Args;
 use coif_graphs::compare::{Merged, merge};
 use coif_graphs::document::Document;
@@ -85,11 +86,12 @@ fn merged([base, ours, theirs]: [&Path; 3]) -> Result<Merged, Vec<Stop>> {
         {
             return Ok(Document::default());
         }
-        let (Loaded { document, warnings, conflicts, dropped_comments }, _) = groom::read(path)?;
+        let (Loaded { document, warnings, conflicts, dropped_comments }, _) =
+            crate::jobs::open::read(path)?;
         tell_warnings(path, conflicts.iter().chain(&warnings));
         let lost = match is_base {
             true => vec![],
-            false => groom::lost_comments(path, &dropped_comments),
+            false => crate::jobs::open::lost_comments(path, &dropped_comments),
         };
         if lost.is_empty() { Ok(document) } else { Err(Stop(Exit::Refused, lost)) }
     };

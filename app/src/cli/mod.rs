@@ -4,7 +4,7 @@
 //! anything ran, 130 asked to end. On anything but 0 no output is touched; a report is written then, too.
 
 mod batch;
-pub(crate) mod carry_out;
+mod carry_out;
 mod check;
 mod diff;
 #[cfg(feature = "editor")]
@@ -14,26 +14,27 @@ pub(crate) mod eval;
 mod fit;
 mod fmt;
 mod given;
-pub(crate) mod groom;
+mod groom;
 mod ledger;
 mod lines;
 mod measure;
-pub(crate) mod memory;
 mod merge;
 mod nodes;
 mod pack;
-pub(crate) mod progress;
+mod progress;
 #[cfg(feature = "render")]
-pub(crate) mod render;
-pub(crate) mod report;
+mod render;
 mod schema;
-pub(crate) mod signals;
+mod signals;
 mod sweep;
 mod template;
-pub(crate) mod thumbnail;
+mod thumbnail;
 mod trace;
 mod unreal;
 
+use crate::files::extension_of;
+use crate::jobs::report;
+use crate::jobs::stop::Exit;
 use crate::words::{first_of, plain};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -94,19 +95,6 @@ enum Command {
     Measure(measure::MeasureArgs),
 }
 
-/// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Exit {
-    /// All done; warnings are allowed.
-    Done = 0,
-    /// A node on the way to an output failed, none of them has curves, or writing failed.
-    Failed = 1,
-    /// Wrong before anything ran.
-    Refused = 2,
-    /// Somebody asked it to end: Ctrl-C, SIGTERM, SIGHUP.
-    Interrupted = 130,
-}
-
 pub(crate) fn main() -> ExitCode {
     let args = Args::try_parse().unwrap_or_else(|err| {
         let text = err.render().to_string();
@@ -152,28 +140,20 @@ fn start_up() -> Exit {
     }
     let drawn = Gpu::new(Precision::Best).map(drop);
     let made = free_name("start", if drawn.is_ok() { "png" } else { "usdc" });
-    // Half the samples of a still: somebody waits to see anything at all.
-    let picture = ["coif", "render", "start", "--samples", "32", "--out", &made];
-    let hair = ["coif", "eval", "start", "--out", &made];
-    let words = match drawn {
+    match drawn {
         Ok(()) => {
             complain(format!(
                 "there is no display for the editor; the start-up groom is drawn to {made}"
             ));
-            &picture[..]
+            render::plainly("start", &made)
         }
         Err(why) => {
             complain(format!(
                 "there is no display for the editor, and no picture can be drawn: {why}"
             ));
             complain(format!("the hair of the start-up groom is written to {made} instead"));
-            &hair[..]
+            eval::plainly("start", &made)
         }
-    };
-    match Args::parse_from(words).command {
-        Some(Command::Render(args)) => render::run(&args),
-        Some(Command::Eval(args)) => eval::run(args),
-        _ => Exit::Refused,
     }
 }
 
@@ -232,11 +212,6 @@ fn print(text: &str) -> Exit {
         }
         _ => Exit::Done,
     }
-}
-
-/// A lower-case extension without the dot.
-pub(crate) fn extension_of(path: &std::path::Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
 /// A path for messages.

@@ -3,13 +3,15 @@
 //! Guarantees: what a pack holds is told before anything is written; a pack is proven whole before anything of it is used; files
 //! are written all or none, under the folder that was named and through no link in it, and over none without `--force`.
 
-use super::carry_out::{Stop, in_one_step};
-use super::groom::{self, Opened, Read};
+use super::carry_out::in_one_step;
 use super::progress::Bar;
-use super::report::Report;
 use super::template::{self, InstallArgs, ended};
 use super::{Exit, complain, complain_of, ending, print_plain, shown};
 use crate::files::{Folders, Role, Together};
+use crate::jobs::evaluate::Opened;
+use crate::jobs::open::Read;
+use crate::jobs::report::Report;
+use crate::jobs::stop::Stop;
 use crate::library;
 use crate::pack::gather::{self, Gathered, Graph, Item, Source};
 use crate::pack::read::Pack;
@@ -118,14 +120,14 @@ fn graph_of(path: &Path) -> Result<Graph, Stop> {
             return Ok(Graph { name, text: text.into_bytes(), loaded, folder: None });
         };
         let called = path.file_name().unwrap_or_default().to_string_lossy();
-        return Ok(graph(groom::read_packed(path, false)?, &called));
+        return Ok(graph(crate::jobs::open::read_packed(path, false)?, &called));
     }
-    if !is_there && !groom::is_shipped(path) {
+    if !is_there && !crate::jobs::open::is_shipped(path) {
         return Err(Stop::refused(format!(
             "{name}: no such file, and no template or shipped groom of that name; coif template list has the templates"
         )));
     }
-    let read = groom::read_packed(path, false)?;
+    let read = crate::jobs::open::read_packed(path, false)?;
     let called = match read.folder {
         Some(_) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         None => format!("{name}.ron"),
@@ -155,7 +157,7 @@ fn made(
     let evaluated = opened.evaluate(Quality::Final, cancel, &bar, &mut report);
     bar.clear();
     evaluated?;
-    let of = |output: &super::report::Output| Made {
+    let of = |output: &crate::jobs::report::Output| Made {
         output: format!("{}.{}", output.node, output.socket),
         hash: output.hash.to_string(),
     };

@@ -1,20 +1,10 @@
 //! A progress line on a terminal, and nothing in a pipe.
 
+use crate::jobs::progress::Tell;
 use crate::words::plain;
 use coif_graphs::schedule::run::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-
-/// Is told how far long work is: a bar on a terminal, or one in the window.
-pub(crate) trait Tell: Progress {
-    /// What is counted from now on.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "pictures count samples"))]
-    fn counts(&self, what: &'static str);
-    /// So many are done.
-    fn count(&self, done: usize, of: usize);
-    /// Says what goes on.
-    fn say(&self, text: String);
-}
 
 /// Shows how long work goes.
 pub(crate) struct Bar(Option<ProgressBar>);

@@ -7,10 +7,10 @@
 //! guaranteed: that values fit, which each row says for itself.
 
 use super::Exit;
-use super::carry_out::Stop;
 use super::eval::EvalArgs;
 use super::given::input_of;
-use super::groom::read_packed;
+use crate::jobs::open::read_packed;
+use crate::jobs::stop::Stop;
 use coif_nodes::define::short;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -3,9 +3,12 @@
 //! Guarantees: what a command would change is told with its fate; on anything but exit code 0 no file is touched; a graph with
 //! an instance needs no template file, for it holds all of it.
 
-use super::carry_out::{Stop, in_one_step};
-use super::{Exit, complain, complain_of, ending, groom, pack, print, print_plain, thumbnail};
+use super::carry_out::in_one_step;
+use super::progress::Bar;
+use super::{Exit, complain, complain_of, ending, pack, print, print_plain, thumbnail};
 use crate::files::{Role, Together};
+use crate::jobs::stop::Stop;
+use crate::jobs::thumbnail::{CAMERA, SIZE, of};
 use crate::library::{self, Entry};
 use crate::pack::is_pack;
 use crate::places::Places;
@@ -127,7 +130,7 @@ struct NewArgs {
     #[arg(long)]
     force: bool,
     /// Where the thumbnail is seen from, as for coif render
-    #[arg(long, value_name = "NAME", default_value = thumbnail::CAMERA)]
+    #[arg(long, value_name = "NAME", default_value = CAMERA)]
     camera: String,
 }
 
@@ -295,7 +298,8 @@ fn rewritten<T>(
     in_one_step("no graph was written", |files, cancel| {
         let refused = |why: String| vec![Stop::refused(why)];
         let mut warnings = vec![];
-        let (mut document, _) = groom::load(graph, &mut warnings).map_err(|stop| vec![stop])?;
+        let (mut document, _) =
+            crate::jobs::open::load(graph, &mut warnings).map_err(|stop| vec![stop])?;
         complain_of(warnings.iter().map(|why| format!("warning: {why}")).collect());
         files
             .writes(out, Role::Output, format!("the graph {}", out.display()))
@@ -383,8 +387,9 @@ fn new(args: &NewArgs) -> Exit {
         *document = template::new(document, &group, origin)?;
         if !args.no_thumbnail {
             let folder = args.graph.parent().unwrap_or(Path::new("")).to_owned();
-            let drawn =
-                thumbnail::of(document, folder, thumbnail::SIZE, &args.camera, cancel, files);
+            let bar = Bar::new("nodes");
+            let drawn = of(document, folder, SIZE, &args.camera, &bar, cancel, files);
+            bar.clear();
             match drawn {
                 Ok(drawn) => document.thumbnail = Some(drawn),
                 // A template without a picture is one, too.
@@ -537,7 +542,7 @@ fn upgrade(args: &UpgradeArgs) -> Exit {
     let told = if args.dry_run {
         ending::at_once();
         let mut warnings = vec![];
-        let loaded = groom::load(&args.graph, &mut warnings);
+        let loaded = crate::jobs::open::load(&args.graph, &mut warnings);
         let told = loaded.map_err(|stop| stop.lines().to_vec());
         let told =
             told.and_then(|(mut document, _)| change(&mut document).map_err(|why| vec![why]));

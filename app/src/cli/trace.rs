@@ -1,12 +1,14 @@
 //! `coif trace`: what made one hair, found by switching nodes, strokes and gestures off (`graphs/src/trace.rs` has the law).
 
-use super::carry_out::Stop;
 use super::eval::cache_bytes;
-use super::groom::{Evaluated, GroomArgs, Opened};
-use super::progress::{Bar, Tell};
-use super::report::Report;
+use super::groom::GroomArgs;
+use super::progress::Bar;
 use super::{Exit, complain, ending, print_plain, tell};
 use crate::files::Together;
+use crate::jobs::evaluate::{Evaluated, Opened};
+use crate::jobs::progress::Tell;
+use crate::jobs::report::Report;
+use crate::jobs::stop::Stop;
 use crate::words::{first_of, plain_json};
 use clap::Args;
 use coif_graphs::document::{Document, Socket};

@@ -4,9 +4,9 @@
 //! the engine's importer (`HairStrandsDefinitions.h`, `AlembicHairTranslator.cpp`, `GroomBuilder.cpp`) and of Epic's "Alembic for
 //! Grooms"; the engine itself was not run.
 
-use super::carry_out::Stop;
-use super::groom::Opened;
-use super::report::Report;
+use crate::jobs::evaluate::Opened;
+use crate::jobs::report::Report;
+use crate::jobs::stop::Stop;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Quiet};
 use coif_nodes::data::attributes::{ROOT_UV, WIDTH};

@@ -1,13 +1,19 @@
-//! Everything that can be done by name: menus, keys, the palette and tooltips all read this one table.
-//!
-//! Rooms keep their own part of it; [`all`] is the whole. An action that cannot be done says why.
+//! The whole table of what can be done by name: the rooms' parts of it, and what belongs to no room.
 
 use super::Editor;
-use super::event::Event;
-use super::rooms::Room;
+use crate::core::action::{Action, Can, Named, Of};
+use crate::core::event::{Event, Window};
+use crate::core::room::Room;
+use crate::rooms::canvas::{self, Canvas};
+use crate::rooms::pen::{self, Pen};
+use crate::rooms::viewport::{self, Viewport};
 
-/// Something that can be done by name.
-pub struct Action {
+/// An action of the editor itself: it says what happened, and changes nothing.
+pub(super) type Own = Action<fn(&Editor) -> Can, fn(&Editor, &mut Vec<Event>)>;
+
+/// Something that can be done by name, whoever does it.
+#[derive(Clone, Copy)]
+pub struct Entry {
     /// Its name in key tables; never changes.
     pub id: &'static str,
     /// What menus say.
@@ -18,40 +24,81 @@ pub struct Action {
     pub words: &'static str,
     /// The menu it stands in; empty when only keys and the palette have it.
     pub menu: &'static str,
-    /// Why it cannot be done now.
-    pub when: fn(&Editor) -> Result<(), &'static str>,
+    by: By,
+}
+
+/// Who does it.
+#[derive(Clone, Copy)]
+enum By {
+    Editor(&'static Own),
+    Canvas(&'static Of<Canvas>),
+    Viewport(&'static Of<Viewport>),
+    Pen(&'static Of<Pen>),
+}
+
+impl Entry {
+    fn of<W, R>(action: &'static Action<W, R>, by: fn(&'static Action<W, R>) -> By) -> Self {
+        let Action { id, label, tip, words, menu, .. } = action;
+        Self { id, label, tip, words, menu, by: by(action) }
+    }
+
+    /// Whether it can be done now.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn when(&self, editor: &Editor) -> Can {
+        let state = &editor.state;
+        match self.by {
+            By::Editor(action) => (action.when)(editor),
+            By::Canvas(action) => (action.when)(&editor.canvas, state),
+            By::Viewport(action) => (action.when)(&editor.viewport, state),
+            By::Pen(action) => (action.when)(&editor.pen, state),
+        }
+    }
+
     /// Does it.
-    pub run: fn(&mut Editor),
+    pub(crate) fn run(&self, editor: &mut Editor) {
+        let mut out = vec![];
+        let state = &editor.state;
+        match self.by {
+            By::Editor(action) => (action.run)(editor, &mut out),
+            By::Canvas(action) => (action.run)(&mut editor.canvas, state, &mut out),
+            By::Viewport(action) => (action.run)(&mut editor.viewport, state, &mut out),
+            By::Pen(action) => (action.run)(&mut editor.pen, state, &mut out),
+        }
+        for event in out {
+            editor.apply(event);
+        }
+    }
 }
 
 /// It can always be done.
-pub fn always(_: &Editor) -> Result<(), &'static str> {
+pub(super) fn always(_: &Editor) -> Can {
     Ok(())
 }
 
 /// Menus from left to right.
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
 
-/// The parts of the table, room by room.
-const PARTS: &[&[&[Action]]] = &[
-    &[super::documents::actions::ACTIONS, ACTIONS],
-    crate::canvas::ACTIONS,
-    &[
-        crate::viewport::actions::ACTIONS,
-        crate::pen::actions::ACTIONS,
-        crate::pen::hair::actions::ACTIONS,
-        crate::pen::mask::actions::ACTIONS,
-    ],
-];
-
 /// Every action, in the order of menus.
-pub fn all() -> impl Iterator<Item = &'static Action> {
-    PARTS.iter().copied().flatten().copied().flatten()
+pub fn all() -> impl Iterator<Item = Entry> {
+    let own = super::documents::actions::ACTIONS.iter().chain(ACTIONS);
+    let canvas = canvas::ACTIONS.iter().copied().flatten();
+    let pen = pen::ACTIONS.iter().copied().flatten();
+    own.map(|action| Entry::of(action, By::Editor))
+        .chain(canvas.map(|action| Entry::of(action, By::Canvas)))
+        .chain(viewport::actions::ACTIONS.iter().map(|action| Entry::of(action, By::Viewport)))
+        .chain(pen.map(|action| Entry::of(action, By::Pen)))
 }
 
 /// The action of an id.
-pub fn by_id(id: &str) -> Option<&'static Action> {
+pub fn by_id(id: &str) -> Option<Entry> {
     all().find(|action| action.id == id)
+}
+
+/// What is said of the action of an id, for rooms.
+pub(super) fn named(id: &str) -> Option<Named> {
+    by_id(id).map(|Entry { id, label, tip, .. }| Named { id, label, tip })
 }
 
 macro_rules! show_room {
@@ -63,13 +110,13 @@ macro_rules! show_room {
             words: "panel tab window",
             menu: "Window",
             when: always,
-            run: |editor| editor.apply(Event::Show(Room::$room)),
+            run: |_, out| out.push(Event::Show(Room::$room)),
         }
     };
 }
 
 /// What belongs to no room.
-const ACTIONS: &[Action] = &[
+const ACTIONS: &[Own] = &[
     Action {
         id: "edit.undo",
         label: "Undo",
@@ -80,7 +127,7 @@ const ACTIONS: &[Action] = &[
             0 => Err("nothing was done yet"),
             _ => Ok(()),
         },
-        run: |editor| editor.apply(Event::Undo),
+        run: |_, out| out.push(Event::Undo),
     },
     Action {
         id: "edit.redo",
@@ -96,7 +143,7 @@ const ACTIONS: &[Action] = &[
                 Err("nothing was taken back")
             }
         },
-        run: |editor| editor.apply(Event::Redo),
+        run: |_, out| out.push(Event::Redo),
     },
     Action {
         id: "edit.settings",
@@ -105,7 +152,7 @@ const ACTIONS: &[Action] = &[
         words: "preferences options configure theme zoom autosave",
         menu: "Edit",
         when: always,
-        run: |editor| editor.settings_panel.is_open = !editor.settings_panel.is_open,
+        run: |_, out| out.push(Event::Window(Window::Settings)),
     },
     Action {
         id: "evaluate.stop",
@@ -114,7 +161,7 @@ const ACTIONS: &[Action] = &[
         words: "cancel abort escape",
         menu: "View",
         when: always,
-        run: |editor| editor.apply(Event::Stop),
+        run: |_, out| out.push(Event::Stop),
     },
     Action {
         id: "evaluate.now",
@@ -123,7 +170,7 @@ const ACTIONS: &[Action] = &[
         words: "cook recompute refresh render update",
         menu: "View",
         when: always,
-        run: |editor| editor.apply(Event::Evaluate),
+        run: |_, out| out.push(Event::Evaluate),
     },
     Action {
         id: "evaluate.allow_large",
@@ -135,7 +182,7 @@ const ACTIONS: &[Action] = &[
             true => Ok(()),
             false => Err("no node would make too much"),
         },
-        run: |editor| editor.apply(Event::AllowLarge),
+        run: |_, out| out.push(Event::AllowLarge),
     },
     Action {
         id: "help.tour",
@@ -144,7 +191,7 @@ const ACTIONS: &[Action] = &[
         words: "tutorial learn first begin",
         menu: "Help",
         when: |editor| super::tour::possible(&editor.state),
-        run: |editor| editor.tour.begin(),
+        run: |_, out| out.push(Event::Window(Window::Tour)),
     },
     Action {
         id: "window.palette",
@@ -153,7 +200,7 @@ const ACTIONS: &[Action] = &[
         words: "command palette search",
         menu: "Help",
         when: always,
-        run: |editor| editor.palette.open(),
+        run: |_, out| out.push(Event::Window(Window::Palette)),
     },
     Action {
         id: "window.keys",
@@ -162,7 +209,7 @@ const ACTIONS: &[Action] = &[
         words: "shortcuts hotkeys help",
         menu: "Help",
         when: always,
-        run: |editor| editor.key_sheet = !editor.key_sheet,
+        run: |_, out| out.push(Event::Window(Window::Keys)),
     },
     Action {
         id: "window.menu",
@@ -174,11 +221,7 @@ const ACTIONS: &[Action] = &[
             Room::Viewport | Room::Canvas | Room::Outliner => Ok(()),
             _ => Err("this room has no menu of the right button"),
         },
-        run: |editor| match editor.state.focus {
-            Room::Viewport => editor.viewport.open_menu_by_key(),
-            Room::Canvas => editor.canvas.open_menu_by_key(),
-            _ => editor.outliner.open_menu_by_key(),
-        },
+        run: |_, out| out.push(Event::Window(Window::Menu)),
     },
     Action {
         id: "window.reset_layout",
@@ -187,7 +230,7 @@ const ACTIONS: &[Action] = &[
         words: "panels default",
         menu: "Window",
         when: always,
-        run: Editor::reset_layout,
+        run: |_, out| out.push(Event::Window(Window::ResetLayout)),
     },
     Action {
         id: "window.next_room",
@@ -196,7 +239,7 @@ const ACTIONS: &[Action] = &[
         words: "focus cycle",
         menu: "Window",
         when: always,
-        run: |editor| editor.focus_next(1),
+        run: |_, out| out.push(Event::Window(Window::NextRoom(1))),
     },
     Action {
         id: "window.previous_room",
@@ -205,7 +248,7 @@ const ACTIONS: &[Action] = &[
         words: "focus cycle",
         menu: "Window",
         when: always,
-        run: |editor| editor.focus_next(-1),
+        run: |_, out| out.push(Event::Window(Window::NextRoom(-1))),
     },
     show_room!("window.viewport", "Viewport", Viewport),
     show_room!("window.canvas", "Nodes", Canvas),
@@ -218,9 +261,9 @@ const ACTIONS: &[Action] = &[
         words: "library browser preset asset group recipe style add insert",
         menu: "Window",
         when: always,
-        run: |editor| {
-            editor.apply(Event::Show(Room::Templates));
-            editor.templates.search();
+        run: |_, out| {
+            out.push(Event::Show(Room::Templates));
+            out.push(Event::Window(Window::SearchTemplates));
         },
     },
     show_room!("window.spreadsheet", "Spreadsheet", Spreadsheet),

@@ -4,8 +4,8 @@
 //! type text are left to text fields that have the keyboard. A damaged file of one's own changes nothing and is told.
 
 use super::actions;
-use super::rooms::Room;
-use egui::{Event, EventFilter, Id, Key, KeyboardShortcut, Modifiers, Ui};
+use crate::core::room::Room;
+use egui::{Event, Key, KeyboardShortcut, Modifiers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -176,22 +176,6 @@ impl Keys {
         }
         clashes
     }
-}
-
-/// Arrow keys stay with a widget that has the keyboard, instead of leading to the next.
-pub(crate) fn keep_arrows(ui: &Ui, id: Id) {
-    let filter =
-        EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
-    ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
-}
-
-/// Where Escape stands among what was done in a frame.
-pub(super) fn escape_at(events: &[Event]) -> Option<usize> {
-    let is_escape = |event: &Event| match event {
-        Event::Key { key: Key::Escape, pressed: true, modifiers, .. } => modifiers.is_none(),
-        _ => false,
-    };
-    events.iter().position(is_escape)
 }
 
 /// Keys that a text field needs itself.

@@ -3,10 +3,12 @@
 use super::Editor;
 use super::Event;
 use super::actions::{self, MENUS};
+use super::documents;
 use super::keys::name_of;
-use super::state::Select;
-use super::{documents, panel, rooms::Room, theme};
-use crate::inspector::text::spoken;
+use crate::core::room::Room;
+use crate::core::state::Select;
+use crate::widgets::text::spoken;
+use crate::widgets::{panel, theme};
 use crate::words::counted;
 use coif_graphs::document::NodeId;
 use coif_nodes::define::NodeDef;
@@ -27,7 +29,7 @@ pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
                     ui.menu_button(*menu, |ui| {
                         panel::list(ui, |ui| {
                             for action in entries {
-                                let allowed = (action.when)(editor);
+                                let allowed = action.when(editor);
                                 let keys = editor.keys.of(action.id).map(|k| name_of(&k));
                                 let mut button = Button::new(action.label);
                                 if let Some(keys) = keys {
@@ -94,7 +96,7 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                 return;
             }
             // Old news leaves; the messages keep it.
-            let news = editor.toasts.is_news(editor.now);
+            let news = editor.toasts.is_news(editor.state.now);
             if let Some(note) = editor.state.notes.all().last().filter(|_| news) {
                 ui.add(egui::Label::new(RichText::new(&note.text).color(theme::QUIET)).truncate());
             }
@@ -174,8 +176,8 @@ fn manual(def: &NodeDef, ui: &mut egui::Ui) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::editor::documents::testing;
-    use crate::editor::state::OpenFile;
+    use crate::core::state::OpenFile;
+    use crate::testing;
     use coif_graphs::document::budget::{Budget, Term};
     use coif_graphs::document::edit::Edit;
     use egui_kittest::Harness;

@@ -1,7 +1,8 @@
 //! The editor: rooms around one state.
 //!
-//! Each frame every room reads the [`State`] and says what happened; [`Editor::apply`] alone changes it. The graph is
-//! evaluated and pictures are drawn on threads of their own, so that the window never waits.
+//! Each frame every room reads the [`State`] and says what happened; [`Editor::apply`] passes it on to whom it
+//! concerns, and [`State::apply`] changes the state. The graph is evaluated and pictures are drawn on threads of their own, so
+//! that the window never waits.
 //!
 //! Guarantees: the document changes only by edits that can be undone; what is selected, displayed or docked never changes a
 //! groom's hash.
@@ -9,36 +10,37 @@
 pub mod actions;
 pub mod compare;
 pub mod documents;
-pub mod evaluation;
-pub mod event;
 mod fonts;
-mod history;
 pub mod keys;
-pub mod lineage;
-pub mod made;
+pub mod layout;
 mod menus;
-pub mod messages;
-pub mod notes;
-mod outliner;
 mod palette;
-pub(crate) mod panel;
-pub mod rooms;
-pub mod settings;
-mod spreadsheet;
-pub mod state;
-pub mod templates;
+mod settings;
+mod templates;
 #[cfg(test)]
-mod tests;
-pub mod theme;
+pub(crate) mod tests;
 mod toasts;
 mod tour;
-pub mod visibility;
+mod windows;
 
-use crate::canvas::Canvas;
-use crate::inspector::Inspector;
-use crate::pen::Pen;
-use crate::viewport::Viewport;
-use coif_graphs::document::edit::Edit;
+use crate::core::event::Event;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::settings::{Evaluate, Settings};
+use crate::core::shown::first_output;
+use crate::core::state::{OpenFile, State};
+use crate::jobs::evaluation::{Evaluation, Finished, Request};
+use crate::places::Places;
+use crate::rooms::canvas::Canvas;
+use crate::rooms::history;
+use crate::rooms::inspector::Inspector;
+use crate::rooms::messages::Messages;
+use crate::rooms::outliner::Outliner;
+use crate::rooms::pen::Pen;
+use crate::rooms::spreadsheet::Spreadsheet;
+use crate::rooms::templates::{Templates, carried};
+use crate::rooms::viewport::Viewport;
+use crate::widgets::{panel, theme};
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
@@ -46,26 +48,13 @@ use coif_graphs::{file, grooms};
 use coif_nodes::eval::Quality;
 use compare::Compare;
 use documents::Documents;
-use documents::places::Places;
 use egui_dock::{DockArea, DockState};
-use evaluation::{Evaluation, Finished, Request, first_output};
-use event::Event;
 use keys::Keys;
-use messages::Messages;
-use notes::Note;
-use outliner::Outliner;
 use palette::Palette;
-use rooms::Room;
-use settings::{Evaluate, Settings};
-use spreadsheet::Spreadsheet;
-use state::{OpenFile, State};
 use std::path::PathBuf;
-use templates::Templates;
 use toasts::Toasts;
 use tour::Tour;
 
-/// Nudges of one value within so many seconds are one undo step.
-const NUDGE_SECONDS: f64 = 0.7;
 /// Where all hair was made within this time, milliseconds, what is dragged is shown whole.
 const QUICK_MS: f64 = 20.0;
 /// A final evaluation that took longer (milliseconds) is led by a preview when something changes; the picture of one that
@@ -106,9 +95,6 @@ pub struct Editor {
     asked: Option<Wanted>,
     /// Evaluate whatever the mode is.
     forced: bool,
-    /// Seconds since the window opened, and when the last nudge was.
-    pub(crate) now: f64,
-    nudged: f64,
     last_final_ms: f64,
     /// The first state of this document.
     born: u64,
@@ -128,16 +114,18 @@ impl Editor {
     pub fn new(ctx: &egui::Context, document: Document, file: OpenFile) -> Self {
         let settings = Settings::default();
         theme::apply(ctx, settings.pen_mode);
-        let mut state = State::new(document, file, settings);
+        let mut state = State::new(document, file, settings, actions::named);
         let wake = {
             let ctx = ctx.clone();
             move || ctx.request_repaint()
         };
         let evaluation = Evaluation::start(usual_budget(), wake)
-            .inspect_err(|why| state.notes.say(Note::error(format!("nothing is evaluated: {why}"))))
+            .inspect_err(|why| {
+                state.apply(Event::Say(Note::error(format!("nothing is evaluated: {why}"))))
+            })
             .ok();
         let keys = Keys::shipped().unwrap_or_else(|why| {
-            state.notes.say(Note::error(format!("keys.ron: {why}")));
+            state.apply(Event::Say(Note::error(format!("keys.ron: {why}"))));
             Keys::default()
         });
         Self {
@@ -157,15 +145,13 @@ impl Editor {
             templates: Templates::default(),
             compare: None,
             pen: Pen::default(),
-            dock: rooms::first_layout(),
+            dock: layout::first_layout(),
             toasts: Toasts::default(),
             rooms: vec![],
             types: false,
             evaluation,
             asked: None,
             forced: false,
-            now: 0.0,
-            nudged: f64::NEG_INFINITY,
             // Nothing is known yet: a preview comes first.
             last_final_ms: f64::INFINITY,
             born: 0,
@@ -198,7 +184,7 @@ impl Editor {
     /// One frame.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
-        self.now = ctx.input(|input| input.time);
+        self.state.now = ctx.input(|input| input.time);
         documents::before(self, &ctx);
         if let Some(finished) = self.evaluation.as_ref().and_then(Evaluation::take) {
             self.finished(finished);
@@ -208,7 +194,7 @@ impl Editor {
                 self.state.traced = line;
             }
             if let Some(made) = evaluation.take_made() {
-                self.state.made = Some(made.into());
+                self.state.apply(Event::Made(Some(made.into())));
             }
             self.state.run = evaluation.status();
         }
@@ -230,7 +216,7 @@ impl Editor {
         let mut events = vec![];
         self.rooms.clear();
         let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
-        let (shares, held) = (rooms::shares(&dock), rooms::held_split(&dock, &ctx));
+        let (shares, held) = (layout::shares(&dock), layout::held_split(&dock, &ctx));
         let mut tabs = Tabs { editor: self, out: &mut events };
         egui::CentralPanel::default().frame(egui::Frame::NONE.fill(theme::GROUND)).show(ui, |ui| {
             DockArea::new(&mut dock)
@@ -239,7 +225,7 @@ impl Editor {
                 .show_leaf_collapse_buttons(false)
                 .show_inside(ui, &mut tabs);
         });
-        rooms::keep_shares(&mut dock, &shares, held);
+        layout::keep_shares(&mut dock, &shares, held);
         self.dock = dock;
         self.settings_panel.ui(&self.state.settings, &self.keys, &ctx, &mut events);
         if self.key_sheet {
@@ -253,7 +239,7 @@ impl Editor {
         self.settle_templates(&ctx);
         let canvas = self.place_of(Room::Canvas);
         let at = ctx.pointer_latest_pos();
-        templates::carried(&ctx, canvas.zip(at).is_some_and(|(canvas, at)| canvas.contains(at)));
+        carried(&ctx, canvas.zip(at).is_some_and(|(canvas, at)| canvas.contains(at)));
         documents::after(self, &ctx);
         self.shield(&ctx);
         self.types = ctx.text_edit_focused();
@@ -282,109 +268,50 @@ impl Editor {
             return;
         }
         if let Some((room, _)) = self.rooms.iter().find(|(_, rect)| rect.contains(at)) {
-            self.state.focus = *room;
+            self.state.apply(Event::Focus(*room));
         }
     }
 
     /// Does an action, or says why it cannot be done.
     pub fn act(&mut self, id: &str) {
         let Some(action) = actions::by_id(id) else { return };
-        match (action.when)(self) {
-            Ok(()) => (action.run)(self),
-            Err(why) => self.state.notes.say(Note::done(format!("{}: {why}", action.label))),
+        match action.when(self) {
+            Ok(()) => action.run(self),
+            Err(why) => {
+                self.state.apply(Event::Say(Note::done(format!("{}: {why}", action.label))))
+            }
         }
     }
 
-    /// Changes the state by what happened.
+    /// Changes the state by what happened, and lets rooms, files and evaluation have their part in it.
     pub fn apply(&mut self, event: Event) {
-        let state = &mut self.state;
         match event {
             Event::Act(id) => self.act(id),
-            Event::Begin(words) => {
-                state.history.begin(&state.document, &words);
-                (state.gesture, state.changes_hair) = (true, false);
-            }
-            Event::Edit(edit) => self.edit(&edit, false),
-            Event::Nudge(edit) => {
-                let soon = self.now - self.nudged < NUDGE_SECONDS;
-                self.nudged = self.now;
-                self.edit(&edit, soon);
-            }
-            Event::EndAs(words) => {
-                state.history.call(&words);
-                self.apply(Event::End);
-            }
-            Event::End => {
-                state.history.end(&state.document);
-                state.gesture = false;
-            }
-            Event::Abort => {
-                let aborted = state.history.abort(&mut state.document);
-                state.gesture = false;
-                self.changed(aborted.map_err(|err| err.to_string()), true);
-            }
-            Event::Undo => {
-                let undone = state.history.undo(&mut state.document).map(|_| ());
-                state.gesture = false;
-                self.changed(undone.map_err(|err| err.to_string()), true);
-            }
-            Event::Redo => {
-                let redone = state.history.redo(&mut state.document).map(|_| ());
-                self.changed(redone.map_err(|err| err.to_string()), true);
-            }
-            Event::Jump(to) => {
-                let jumped = state.history.jump(&mut state.document, to);
-                self.changed(jumped.map_err(|err| err.to_string()), true);
-            }
-            Event::Select(select) => {
-                state.selection.change(select);
-                state.keep();
-                // What is selected elsewhere is shown where it is.
-                if let Some(active) = state.active() {
-                    state.group = active.group();
-                }
-            }
-            Event::Enter(group) => {
-                let left = std::mem::replace(&mut state.group, group);
-                state.keep();
-                // Going out, the group that was left is selected.
-                let left = left.filter(|left| left.group() == state.group);
-                state.selection.change(state::Select::Nodes(left.into_iter().collect()));
-                state.selection.keep(&state.document);
-            }
             Event::Trace(id) => {
-                if let (Some(evaluation), Some(trace)) = (&self.evaluation, state.trace(id)) {
+                if let (Some(evaluation), Some(trace)) = (&self.evaluation, self.state.trace(id)) {
                     evaluation.trace(trace);
                 }
             }
             Event::WhatMade(id) => {
-                if let (Some(evaluation), Some(trace)) = (&self.evaluation, state.trace(id)) {
+                if let (Some(evaluation), Some(trace)) = (&self.evaluation, self.state.trace(id)) {
                     evaluation.what_made(trace);
                     self.apply(Event::Show(Room::Messages));
                 }
             }
-            Event::Made(made) => state.made = made,
-            Event::PickStroke(node, id) => self.pen.pick(node, id, &state.selection.curves),
-            Event::Display(node) => {
-                // What is displayed is saved with the groom, but it is no step.
-                let set = Edit::SetDisplay(node).apply(&mut state.document).map(|_| ());
-                self.changed(set.map_err(|err| err.to_string()), true);
+            Event::PickStroke(node, id) => {
+                self.pen.pick(node, id, &self.state.selection.curves);
             }
-            Event::Pin(node) => state.pinned = node,
-            Event::Expose { socket, exposed: true } => {
-                state.exposed.insert(socket);
+            Event::TakeUpPen(node) => {
+                self.pen.take_up(&self.state, &node);
+                self.apply(Event::Pin(Some(node)));
             }
-            Event::Expose { socket, exposed: false } => {
-                state.exposed.remove(&socket);
-            }
-            Event::Visibility(visibility) => state.visibility = visibility,
-            Event::Settings(settings) => state.settings = *settings,
-            Event::Say(note) => state.notes.say(note),
-            Event::Hush => state.notes.clear(),
             Event::Evaluate => self.forced = true,
-            Event::AllowLarge => (state.allow_large, self.forced) = (true, true),
+            Event::AllowLarge => {
+                self.forced = true;
+                self.state.apply(event);
+            }
             // The hand is taken back first; what runs for it is stopped by what comes next.
-            Event::Stop if state.gesture => self.apply(Event::Abort),
+            Event::Stop if self.state.gesture => self.apply(Event::Abort),
             Event::Stop => {
                 if let Some(evaluation) = &self.evaluation {
                     evaluation.stop();
@@ -392,11 +319,13 @@ impl Editor {
             }
             Event::Templates(event) => self.apply_to_templates(event),
             Event::Documents(event) => self.apply_to_file(event),
-            Event::Focus(room) => state.focus = room,
+            Event::Window(event) => self.apply_to_window(event),
+            Event::Reveal => self.outliner.reveal(),
             Event::Show(room) => {
-                rooms::show(&mut self.dock, room);
-                state.focus = room;
+                layout::show(&mut self.dock, room);
+                self.state.apply(event);
             }
+            of_the_state => self.state.apply(of_the_state),
         }
     }
 
@@ -412,45 +341,17 @@ impl Editor {
     pub(crate) fn replace(&mut self, document: Document, file: OpenFile, history: History) {
         self.end_compare();
         let state = &mut self.state;
-        let new = State::new(document, file, state.settings.clone());
+        let new = State::new(document, file, state.settings.clone(), state.table);
         let old = std::mem::replace(state, new);
         state.history = history;
         state.revision = old.revision + 1;
         state.changes = old.changes + 1;
         (state.shown, state.run) = (old.shown, old.run);
         (state.notes, state.focus, state.shelf) = (old.notes, old.focus, old.shelf);
+        state.now = old.now;
         // Also where evaluation waits for a key, a new document is seen.
         self.asked = None;
         self.last_final_ms = 0.0;
-    }
-
-    fn edit(&mut self, edit: &Edit, nudge: bool) {
-        let state = &mut self.state;
-        state.changes_hair |= state.gesture && means_something(edit);
-        let done = if nudge {
-            state.history.nudge(&mut state.document, edit)
-        } else {
-            state.history.edit(&mut state.document, edit)
-        };
-        self.changed(done.map_err(|err| err.to_string()), means_something(edit));
-    }
-
-    /// After a change of the document, or a refusal of one.
-    fn changed(&mut self, done: Result<(), String>, means_something: bool) {
-        let state = &mut self.state;
-        match done {
-            Ok(()) => {
-                state.changes += 1;
-                if means_something {
-                    state.revision += 1;
-                }
-                state.keep();
-                if state.pinned.as_ref().is_some_and(|id| !state.document.nodes.contains_key(id)) {
-                    state.pinned = None;
-                }
-            }
-            Err(why) => state.notes.say(Note::error(why)),
-        }
     }
 
     fn finished(&mut self, finished: Finished) {
@@ -506,41 +407,6 @@ impl Editor {
             });
         }
         self.asked = Some(wanted);
-    }
-
-    /// Docks every room where it was at first.
-    pub(crate) fn reset_layout(&mut self) {
-        self.dock = rooms::first_layout();
-    }
-
-    /// Gives the keys to another open room.
-    pub(crate) fn focus_next(&mut self, step: isize) {
-        let open: Vec<Room> = self.dock.iter_all_tabs().map(|(_, room)| *room).collect();
-        let n = open.len() as isize;
-        let at = open.iter().position(|room| *room == self.state.focus).unwrap_or(0) as isize;
-        if let Some(room) = open.get((at + step).rem_euclid(n.max(1)) as usize) {
-            self.apply(Event::Show(*room));
-        }
-    }
-}
-
-/// Whether an edit changes what is evaluated, not only how the graph is laid out or called.
-fn means_something(edit: &Edit) -> bool {
-    match edit {
-        Edit::Move { .. }
-        | Edit::SetTitle(_)
-        | Edit::SetNote(_)
-        | Edit::SetLabel { .. }
-        | Edit::SetNodeNote { .. }
-        | Edit::SetFrame { .. }
-        | Edit::SetBends { .. }
-        | Edit::SetCollapsed { .. }
-        | Edit::SetView { .. }
-        | Edit::SetLook(_)
-        | Edit::SetThumbnail(_)
-        | Edit::SetComment { .. } => false,
-        Edit::Several(edits) => edits.iter().any(means_something),
-        _ => true,
     }
 }
 
@@ -647,7 +513,7 @@ pub fn run(
     if ["WAYLAND_DISPLAY", "DISPLAY"]
         .iter()
         .all(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))
-        && crate::pen::has_pens()
+        && crate::rooms::pen::has_pens()
     {
         options.event_loop_builder = Some(Box::new(|builder| {
             use winit::platform::x11::EventLoopBuilderExtX11 as _;

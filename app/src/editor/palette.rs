@@ -4,9 +4,9 @@
 //! long. Not promised: that words find an action that its label, words and id do not have.
 
 use super::Editor;
-use super::actions::{self, Action};
+use super::actions::{self, Entry};
 use super::keys::name_of;
-use super::panel;
+use crate::widgets::panel;
 use egui::{Align2, Area, Frame, Key, Modifiers, Order, RichText, ScrollArea, TextEdit};
 
 /// What is open, typed and chosen.
@@ -33,7 +33,7 @@ impl Palette {
 }
 
 /// How well an action answers what was typed; none when it does not. Higher is better.
-fn rank(action: &Action, typed: &str) -> Option<u32> {
+fn rank(action: &Entry, typed: &str) -> Option<u32> {
     let typed = typed.trim().to_lowercase();
     if typed.is_empty() {
         return Some(0);
@@ -56,9 +56,9 @@ fn rank(action: &Action, typed: &str) -> Option<u32> {
 }
 
 /// The word that an action was found by, where its label does not say it.
-fn why(action: &'static Action, typed: &str) -> Option<&'static str> {
+fn why(action: Entry, typed: &str) -> Option<&'static str> {
     let typed = typed.trim().to_lowercase();
-    if rank(action, &typed) != Some(2) {
+    if rank(&action, &typed) != Some(2) {
         return None;
     }
     let label = action.label.to_lowercase();
@@ -67,9 +67,9 @@ fn why(action: &'static Action, typed: &str) -> Option<&'static str> {
 }
 
 /// Actions that answer what was typed, best first.
-pub(crate) fn found(typed: &str) -> Vec<&'static Action> {
-    let mut ranked: Vec<(u32, &Action)> =
-        actions::all().filter_map(|action| Some((rank(action, typed)?, action))).collect();
+pub(crate) fn found(typed: &str) -> Vec<Entry> {
+    let mut ranked: Vec<(u32, Entry)> =
+        actions::all().filter_map(|action| Some((rank(&action, typed)?, action))).collect();
     ranked.sort_by_key(|(rank, _)| std::cmp::Reverse(*rank));
     ranked.into_iter().map(|(_, action)| action).collect()
 }
@@ -125,7 +125,7 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
                         ui.label(RichText::new("Nodes are added with Tab over the nodes.").weak());
                     }
                     for (i, action) in all.iter().enumerate() {
-                        let allowed = (action.when)(editor);
+                        let allowed = action.when(editor);
                         ui.horizontal(|ui| {
                             let keys = editor.keys.of(action.id).map(|k| name_of(&k));
                             let text = if action.menu.is_empty() {
@@ -135,7 +135,7 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
                                 let menu = if recipe { "Recipe" } else { action.menu };
                                 format!("{menu}: {}", action.label)
                             };
-                            let text = match why(action, &typed) {
+                            let text = match why(*action, &typed) {
                                 Some(word) => format!("{text} \u{201C}{word}\u{201D}"),
                                 None => text,
                             };
@@ -165,7 +165,7 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
                 });
             });
         });
-    if enter && let Some(action) = all.get(chosen).filter(|a| (a.when)(editor).is_ok()) {
+    if enter && let Some(action) = all.get(chosen).filter(|a| a.when(editor).is_ok()) {
         picked = Some(action.id);
     }
     let outside = ctx.input(|i| i.pointer.any_pressed())
@@ -178,8 +178,8 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) -> Option<&'static st
 
 #[cfg(test)]
 mod tests {
-    use super::super::state::OpenFile;
     use super::*;
+    use crate::core::state::OpenFile;
     use egui::Event;
 
     #[test]

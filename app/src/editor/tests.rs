@@ -1,11 +1,11 @@
 //! The whole window under a pointer and keys: where keys go, what Escape closes, what stays where it is.
 
 use super::Editor;
-#[allow(unused_imports)]
-use super::documents::{self, places::Places, testing::Folder};
-use super::event::Event;
-use super::rooms::Room;
-use super::state::{OpenFile, Select};
+use crate::core::event::Event;
+use crate::core::room::Room;
+use crate::core::state::{OpenFile, Select};
+use crate::places::Places;
+use crate::testing::Folder;
 use coif_graphs::document::{Document, NodeId};
 use coif_graphs::{file, grooms};
 use egui::{Event as Input, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
@@ -13,9 +13,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{By, NodeT, Queryable};
 
 /// An editor in a window that nobody sees, with hands on it.
-pub(super) struct Hands(pub(super) Harness<'static, Editor>);
+pub(crate) struct Hands(pub(crate) Harness<'static, Editor>);
 
-pub(super) fn groom(name: &str) -> Document {
+pub(crate) fn groom(name: &str) -> Document {
     file::read(grooms::by_name(name).unwrap()).unwrap().document
 }
 
@@ -31,7 +31,7 @@ fn rows() -> Document {
 }
 
 impl Hands {
-    pub(super) fn on(document: Document, [width, height]: [f32; 2], scale: f32) -> Self {
+    pub(crate) fn on(document: Document, [width, height]: [f32; 2], scale: f32) -> Self {
         let mut editor = Editor::new(&egui::Context::default(), document, OpenFile::default());
         editor.state.settings.scale = scale;
         let size = Vec2::new(width, height);
@@ -42,21 +42,21 @@ impl Hands {
         }
         let mut hands =
             Self(builder.build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor));
-        super::theme::apply(&hands.0.ctx, false);
+        crate::widgets::theme::apply(&hands.0.ctx, false);
         hands.steps(3);
         hands
     }
-    pub(super) fn steps(&mut self, n: usize) {
+    pub(crate) fn steps(&mut self, n: usize) {
         self.0.run_steps(n);
     }
-    pub(super) fn editor(&mut self) -> &mut Editor {
+    pub(crate) fn editor(&mut self) -> &mut Editor {
         self.0.state_mut()
     }
-    pub(super) fn room(&self, room: Room) -> Rect {
+    pub(crate) fn room(&self, room: Room) -> Rect {
         let rooms = &self.0.state().rooms;
         rooms.iter().find(|(known, _)| *known == room).map(|(_, rect)| *rect).unwrap()
     }
-    pub(super) fn hover(&mut self, at: Pos2) {
+    pub(crate) fn hover(&mut self, at: Pos2) {
         self.0.event(Input::PointerMoved(at));
         self.steps(2);
     }
@@ -69,10 +69,10 @@ impl Hands {
         }
         self.steps(2);
     }
-    pub(super) fn click(&mut self, at: Pos2) {
+    pub(crate) fn click(&mut self, at: Pos2) {
         self.click_with(at, PointerButton::Primary);
     }
-    pub(super) fn key(&mut self, key: Key) {
+    pub(crate) fn key(&mut self, key: Key) {
         self.0.key_press(key);
         self.steps(2);
     }
@@ -81,7 +81,7 @@ impl Hands {
         self.steps(2);
     }
     /// Letters as a keyboard sends them, all in one frame.
-    pub(super) fn types(&mut self, letters: &str) {
+    pub(crate) fn types(&mut self, letters: &str) {
         for c in letters.chars() {
             if let Some(key) = Key::from_name(&c.to_uppercase().to_string()) {
                 let (physical_key, repeat, modifiers) = (None, false, Modifiers::NONE);
@@ -92,7 +92,7 @@ impl Hands {
         self.steps(2);
     }
     /// Where something with these words is; menus carry keys behind theirs.
-    pub(super) fn place(&self, words: &str) -> Option<Rect> {
+    pub(crate) fn place(&self, words: &str) -> Option<Rect> {
         let is = |label: &str| {
             label == words || label.strip_prefix(words).is_some_and(|keys| keys.starts_with(' '))
         };
@@ -105,11 +105,11 @@ impl Hands {
         found.find(|node| says(node.accesskit_node())).map(|node| node.rect())
     }
     #[track_caller]
-    pub(super) fn click_on(&mut self, words: &str) {
+    pub(crate) fn click_on(&mut self, words: &str) {
         let at = self.place(words).unwrap_or_else(|| panic!("nothing is called {words:?}"));
         self.click(at.center());
     }
-    pub(super) fn shows(&self, words: &str) -> bool {
+    pub(crate) fn shows(&self, words: &str) -> bool {
         self.place(words).is_some()
     }
 }
@@ -130,7 +130,7 @@ fn keys_go_where_the_pointer_is() {
     hands.click(empty(canvas));
     hands.hover(viewport.center());
     hands.key(Key::P);
-    assert_eq!(hands.editor().pen.tool, crate::pen::PenTool::Draw);
+    assert_eq!(hands.editor().pen.tool, crate::rooms::pen::PenTool::Draw);
     assert!(hands.editor().state.notes.all().is_empty());
     // The picture was clicked last; Tab over the nodes adds one.
     hands.keys(Modifiers::NONE, Key::V);
@@ -232,7 +232,7 @@ fn panels_and_menus_leave_the_menu_bar_free_and_are_reached_whole() {
             hands.steps(8);
         }
         for id in ["settings", "key sheet", "pen settings", "welcome"] {
-            let place = super::panel::id(id, &hands.0.ctx);
+            let place = crate::widgets::panel::id(id, &hands.0.ctx);
             let rect = hands.0.ctx.memory(|memory| memory.area_rect(place)).unwrap();
             assert!(
                 rect.top() >= bar,
@@ -366,20 +366,20 @@ fn an_export_and_a_changed_file_move_nothing() {
     };
     let before = rooms(&hands);
     let to = folder.path("hair.usdc");
-    hands.editor().apply(Event::Documents(documents::Event::Export(to.clone())));
+    hands.editor().apply(Event::Documents(crate::core::documents::Event::Export(to.clone())));
     let mut seen = false;
-    documents::testing::until("the export ends", || {
+    crate::testing::until("the export ends", || {
         hands.steps(1);
         assert_eq!(rooms(&hands), before);
         seen |= hands.shows("Stop export");
         to.exists() && !hands.shows("Stop export")
     });
     assert!(seen, "the status line showed it");
-    hands.editor().apply(Event::Documents(documents::Event::Open(path.clone())));
+    hands.editor().apply(Event::Documents(crate::core::documents::Event::Open(path.clone())));
     hands.steps(4);
     let before = rooms(&hands);
     std::fs::write(&path, file::write(&groom("puffs"))).unwrap();
-    documents::testing::until("the change is asked about", || {
+    crate::testing::until("the change is asked about", || {
         hands.steps(1);
         assert_eq!(rooms(&hands), before);
         hands.shows("Keep mine")
@@ -396,7 +396,7 @@ fn the_welcome_panel_stands_beside_the_picture() {
         let mut hands = Hands::on(rows(), size, 1.0);
         hands.editor().greet();
         hands.steps(4);
-        let id = super::panel::id("welcome", &hands.0.ctx);
+        let id = crate::widgets::panel::id("welcome", &hands.0.ctx);
         let rect = hands.0.ctx.memory(|memory| memory.area_rect(id)).unwrap();
         let picture = hands.room(Room::Viewport);
         let hidden = rect.intersect(picture);
@@ -465,7 +465,7 @@ fn hair_that_changes_begins_one_picture_and_what_changes_none_begins_none() {
     let mut hands = Hands::on(rows(), SIZE, 1.0);
     let settle = |hands: &mut Hands| {
         let mut keys = vec![];
-        documents::testing::until("all is evaluated", || {
+        crate::testing::until("all is evaluated", || {
             hands.steps(1);
             let key = hands.0.state().state.shown.as_ref().map(|shown| shown.curves.key());
             if let Some(key) = key.filter(|key| keys.last() != Some(key)) {
@@ -566,7 +566,7 @@ fn failures_are_seen_with_reason_and_remedy_and_kept_and_old_news_leaves() {
     std::fs::set_permissions(&read_only, mode).unwrap();
     let broken = folder.path("broken.ron");
     std::fs::write(&broken, "(format: 1, nodes: {,").unwrap();
-    use documents::Event as File;
+    use crate::core::documents::Event as File;
     let cases = [
         (File::SaveTo(folder.path("none/x.ron")), "not saved: ", "make the folder"),
         (File::SaveTo(read_only.clone()), "is read-only", "choose another name"),
@@ -627,20 +627,20 @@ fn what_is_added_behind_the_displayed_node_takes_the_display_along_in_one_step()
 #[test]
 fn the_hair_and_the_symmetry_of_a_document_go_with_it() {
     let mut hands = Hands::on(groom("cornrows"), SIZE, 1.0);
-    documents::testing::until("all is evaluated", || {
+    crate::testing::until("all is evaluated", || {
         hands.steps(1);
         hands.0.state().is_idle()
     });
     assert!(hands.editor().state.shown.is_some());
     hands.editor().state.settings.pen.symmetry = true;
     assert!(hands.editor().state.settings.pen.symmetry);
-    hands.editor().apply(Event::Documents(documents::Event::New(None)));
+    hands.editor().apply(Event::Documents(crate::core::documents::Event::New(None)));
     let braids = |hands: &Hands| {
         let shown = hands.0.state().state.shown.as_ref();
         shown.is_some_and(|shown| shown.curves.curve_count() > 0)
     };
     assert!(!braids(&hands) && !hands.editor().state.settings.pen.symmetry);
-    documents::testing::until("the head is there", || {
+    crate::testing::until("the head is there", || {
         hands.steps(1);
         assert!(!braids(&hands), "hair of the groom before");
         hands.0.state().is_idle()
@@ -679,14 +679,14 @@ fn people_read_names_and_never_ids() {
                 links: {\"the_rows.scalp\": \"my_head.scalp\"}, display: \"the_rows\")";
     let document = file::read(text).unwrap().document;
     let mut hands = Hands::on(document, SIZE, 1.0);
-    documents::testing::until("it failed", || {
+    crate::testing::until("it failed", || {
         hands.steps(1);
         hands.0.state().is_idle()
     });
     hands.steps(2);
     let banner = "✖ my head failed and passes its input on";
     assert_eq!(hands.0.query_all_by_label(banner).count(), 1);
-    let about = super::messages::all(&hands.editor().state);
+    let about = crate::rooms::messages::all(&hands.editor().state);
     let mut told: Vec<String> = about.iter().map(|message| message.line()).collect();
     told.sort();
     let count = told.len();

@@ -3,11 +3,12 @@
 //!
 //! Guarantees: what was said leaves by itself, or when it is put away; while the pen draws nothing comes up.
 
+use super::Editor;
 use super::documents;
-use super::event::Event;
-use super::notes::{Gravity, Note};
-use super::rooms::Room;
-use super::{Editor, panel};
+use crate::core::event::Event;
+use crate::core::notes::{Gravity, Note};
+use crate::core::room::Room;
+use crate::widgets::panel;
 use egui::{Align2, Area, Context, Frame, Id, Label, Order, ScrollArea};
 use std::time::Duration;
 
@@ -36,7 +37,7 @@ impl Toasts {
     }
 
     fn learn(&mut self, editor: &Editor) {
-        let (notes, now) = (&editor.state.notes, editor.now);
+        let (notes, now) = (&editor.state.notes, editor.state.now);
         let new = notes.count().saturating_sub(self.count);
         if new > 0 {
             (self.count, self.last) = (notes.count(), now);
@@ -91,7 +92,7 @@ pub(super) fn ui(editor: &mut Editor, ctx: &Context) {
                 });
             });
     }
-    if !toasts.seen.is_empty() || toasts.is_news(editor.now) {
+    if !toasts.seen.is_empty() || toasts.is_news(editor.state.now) {
         ctx.request_repaint_after(Duration::from_millis(500));
     }
     editor.toasts = toasts;

@@ -2,8 +2,8 @@
 //! anybody, and nothing is locked meanwhile.
 
 use super::Editor;
-use super::panel;
-use super::state::State;
+use crate::core::state::State;
+use crate::widgets::panel;
 use coif_graphs::document::{Document, Setting};
 use coif_nodes::define::Value;
 use glam::Vec3;

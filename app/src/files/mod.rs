@@ -20,7 +20,7 @@ mod together;
 #[cfg(any(feature = "editor", test))]
 pub(crate) use alone::write_text;
 #[cfg(feature = "editor")]
-pub(crate) use alone::write_text_unsynced;
+pub(crate) use alone::{name_twice, new_lock, set_aside, write_text_unsynced};
 #[cfg(feature = "render")]
 pub(crate) use coif_graphs::schedule::files::read_at_most;
 #[cfg(feature = "editor")]
@@ -29,6 +29,7 @@ pub(crate) use temporary::{Folders, end};
 pub(crate) use together::{Out, Role, Together};
 
 use std::io::{self, Write};
+use std::path::Path;
 
 /// What the system says, in the words of somebody who wants a file.
 fn said(err: &io::Error) -> String {
@@ -49,3 +50,11 @@ fn said(err: &io::Error) -> String {
 fn put_text(out: &mut Out, text: &str) -> Result<(), String> {
     out.write_all(text.as_bytes()).map_err(|err| err.to_string())
 }
+
+/// A lower-case extension without the dot.
+pub(crate) fn extension_of(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// The largest document that is read: strokes take 30 bytes a sample, so this holds millions.
+pub(crate) const MOST_DOCUMENT: u64 = 256 << 20;

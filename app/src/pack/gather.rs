@@ -6,7 +6,7 @@
 //! an address of the network), and text that this version does not know.
 
 use super::{Packed, SEE, Template, names};
-use crate::cli::extension_of;
+use crate::files::extension_of;
 use coif_graphs::document::{Document, Setting};
 use coif_graphs::file::{self, Loaded};
 use coif_graphs::schedule::files::{MOST_BYTES, name_below, named, read_at_most};

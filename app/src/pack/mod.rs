@@ -180,7 +180,7 @@ impl Manifest {
 
 /// Whether a path is a pack's, by its extension.
 pub(crate) fn is_pack(path: &Path) -> bool {
-    crate::cli::extension_of(path) == EXTENSION
+    crate::files::extension_of(path) == EXTENSION
 }
 
 /// The path to a file that is named as messages name those in packs, `pack.coif:heads/face.obj`: into that pack, which is proven

@@ -10,7 +10,7 @@ use super::{
     ALLOW, EXTENSION, FORMAT, Hash, MANIFEST, MOST_FILES, MOST_MANIFEST, MOST_RATIO, Manifest,
     Packed, SMALL_GRAPH, SMALL_TOTAL, names,
 };
-use crate::cli::groom::MOST_DOCUMENT;
+use crate::files::MOST_DOCUMENT;
 use coif_graphs::file::{self, Loaded};
 use coif_graphs::schedule::files::{Archive, name_below, named};
 use coif_nodes::define::short;

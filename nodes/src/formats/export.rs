@@ -74,15 +74,14 @@ pub enum Format {
 }
 
 impl Format {
+    /// Every format with the extension of its files; `usd` stands for the first.
+    pub const ALL: [(&str, Self); 4] =
+        [("usdc", Self::Usdc), ("usda", Self::Usda), ("abc", Self::Abc), ("hair", Self::Hair)];
+
     /// The format of a file name's extension (lower case, without the dot).
     pub fn of_extension(extension: &str) -> Option<Self> {
-        match extension {
-            "usda" => Some(Format::Usda),
-            "usdc" | "usd" => Some(Format::Usdc),
-            "abc" => Some(Format::Abc),
-            "hair" => Some(Format::Hair),
-            _ => None,
-        }
+        let extension = if extension == "usd" { Self::ALL[0].0 } else { extension };
+        Self::ALL.into_iter().find(|(known, _)| *known == extension).map(|(_, format)| format)
     }
     /// Extensions that [`Self::of_extension`] knows, for messages.
     pub const EXTENSIONS: &str = ".usda, .usdc, .abc, .hair";

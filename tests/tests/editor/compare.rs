@@ -2,8 +2,8 @@
 
 use super::harness::settle;
 use super::story::{Hand, Story};
-use coif::editor::documents::{self, Unsaved};
-use coif::editor::event::Event;
+use coif::core::documents::{self, Unsaved};
+use coif::core::event::Event;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting};
 use coif_graphs::{file, grooms};

@@ -1,7 +1,7 @@
 //! The window never waits: CPU time of the UI thread, frame by frame, while the evaluator works.
 
 use super::harness::{on_groom, settle};
-use coif::editor::event::Event;
+use coif::core::event::Event;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting};
 use coif_nodes::define::Value;

@@ -152,10 +152,10 @@ fn random_events_leave_a_sound_document() {
             ui.step();
         }
         let editor = ui.state_mut();
-        editor.apply(coif::editor::event::Event::End);
+        editor.apply(coif::core::event::Event::End);
         is_sound(&editor.state.document);
         // All of it can be taken back, unless another groom was opened on the way.
-        editor.apply(coif::editor::event::Event::Jump(0));
+        editor.apply(coif::core::event::Event::Jump(0));
         editor.state.document.display.clone_from(&before.display);
         // Another groom has another title; one that was edited has its own back by now.
         let other = editor.state.document.title != before.title;

@@ -1,7 +1,7 @@
 //! Every shipped groom opens, evaluates to all of its hair, and is not changed by looking at it.
 
 use super::harness::{is_sound, on_groom, settle};
-use coif::editor::event::Event;
+use coif::core::event::Event;
 use coif_graphs::{file, grooms};
 
 #[test]

@@ -1,7 +1,7 @@
 //! An editor driven as a person drives it, without a display.
 
+use coif::core::state::OpenFile;
 use coif::editor::Editor;
-use coif::editor::state::OpenFile;
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check};
 use coif_graphs::{file, grooms};

@@ -2,9 +2,9 @@
 
 use super::harness::settle;
 use super::story::{Hand, Story};
-use coif::editor::documents;
-use coif::editor::event::Event;
-use coif::editor::state::Select;
+use coif::core::documents;
+use coif::core::event::Event;
+use coif::core::state::Select;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting, Socket};
 use coif_nodes::data::landmarks::{Landmark, Landmarks};

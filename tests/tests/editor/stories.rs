@@ -1,9 +1,9 @@
 //! Stories of the whole window: every entry of every menu, and a slider that is dragged.
 
 use super::harness::{Ui, is_sound, on, on_groom, settle};
+use coif::core::event::Event;
+use coif::core::state::Select;
 use coif::editor::actions::{self, MENUS};
-use coif::editor::event::Event;
-use coif::editor::state::Select;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Point};
 use coif_graphs::{file, grooms};
@@ -115,7 +115,7 @@ fn every_entry_of_every_menu_does_something_or_says_why_not() {
         let before = sight(&ui);
         assert!(click(&mut ui, action.label), "{}: its menu does not show it", action.id);
         ui.run_steps(3);
-        let allowed = (action.when)(ui.state());
+        let allowed = action.when(ui.state());
         let seen = sight(&ui) != before;
         if allowed.is_ok() {
             could += 1;

@@ -1,10 +1,10 @@
 //! A person at work, every action counted, by mouse or by pen, with pictures where they are asked for (`COIF_SHOTS`, a folder).
 
 use super::harness::{Ui, settle};
+use coif::core::room::Room;
 use coif::editor::Editor;
-use coif::editor::documents::places::Places;
-use coif::editor::rooms::Room;
-use coif::pen::sample::{Device, PenSample, Phase, Tool};
+use coif::places::Places;
+use coif::rooms::pen::sample::{Device, PenSample, Phase, Tool};
 use coif_tests::{Folder, adapter};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
 use egui_kittest::Harness;
@@ -49,7 +49,7 @@ impl Story {
             builder = builder.wgpu();
         }
         let ui = builder.build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
-        coif::editor::theme::apply(&ui.ctx, false);
+        coif::widgets::theme::apply(&ui.ctx, false);
         Self { ui, name, hand, actions: 0, time: 0.0, pictures, took: vec![] }
     }
 

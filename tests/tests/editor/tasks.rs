@@ -1,7 +1,7 @@
 //! What people come to do, from the welcome panel on, in few actions, each of which shows at once.
 
 use super::story::{Hand, Story};
-use coif::editor::rooms::Room;
+use coif::core::room::Room;
 use coif_graphs::document::{Document, Setting};
 use coif_nodes::define::Value;
 use coif_tests::Folder;

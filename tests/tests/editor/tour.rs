@@ -1,7 +1,7 @@
 //! The tour notices what a person does, and nothing else.
 
 use super::harness::{on_groom, settle};
-use coif::editor::event::Event;
+use coif::core::event::Event;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting};
 use coif_nodes::data::strokes::{Sample, Stroke};

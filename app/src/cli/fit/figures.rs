@@ -1,6 +1,7 @@
 //! What became of a groom on another head, in numbers. The fields are a contract: `docs/fit.md` has them.
 
-use super::super::carry_out::Stop;
+use crate::jobs::report::{Fit, Parted, Roots};
+use crate::jobs::stop::Stop;
 use coif_graphs::document::NodeId;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
@@ -8,7 +9,6 @@ use coif_nodes::eval::PlainHost;
 use coif_nodes::formats::export;
 use coif_nodes::laws::{Hair, depth};
 use glam::Vec3;
-use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -20,57 +20,6 @@ pub(super) struct Made {
     pub(super) parted: Vec<(NodeId, Arc<Scalp>)>,
     /// Curves of the nodes that root some.
     pub(super) sources: Vec<(NodeId, Curves)>,
-}
-
-/// A groom on another head, beside the same at home.
-#[derive(Serialize)]
-pub(crate) struct Fit {
-    /// Landmarks of the home, in its head units.
-    home: String,
-    /// Landmarks of the other head, in its own.
-    landmarks: String,
-    /// How much of the map was taken, 0 to 1: less than 1 where all of it would fold.
-    part: f32,
-    /// How much the map stretches the region, in head units: least, middle, most.
-    stretch: [f32; 3],
-    /// Whether the graph was written in units of the other head.
-    baked: bool,
-    roots: Vec<Roots>,
-    sections: Vec<Parted>,
-    /// Hair of all outputs that goes deeper under the skin than it may, and how deep (cm) the deepest. Guides are no hair.
-    inside: usize,
-    deepest_cm: f32,
-}
-
-/// Roots of a node, or of an output's group.
-#[derive(Serialize)]
-struct Roots {
-    name: String,
-    /// How many there are at home and on the other head.
-    home: usize,
-    here: usize,
-    /// Those at home that are gone here, by id.
-    lost: usize,
-    /// Those here that are not there at home.
-    new: usize,
-    /// Those in the region at home that lie outside of it here.
-    outside: usize,
-    /// Those farther than 0.5 cm (on a head of average size) from where the map brings them.
-    missed: usize,
-    /// How far they lie from where the map brings them, cm: middle, 95 %, largest; null where none is on both.
-    drift_cm: Option<[f32; 3]>,
-}
-
-/// Sections of a parted scalp.
-#[derive(Serialize)]
-struct Parted {
-    node: String,
-    /// How many at home and on the other head.
-    home: usize,
-    here: usize,
-    /// Names that are gone, and those that are new: of sections that merged, split or moved.
-    gone: Vec<String>,
-    new: Vec<String>,
 }
 
 /// What lies farther from where it is to lie has missed it, cm on a head of average size.

@@ -11,12 +11,12 @@ mod ui;
 
 use super::Editor;
 use super::documents;
-use super::evaluation::Request;
-use super::event::Event;
-use super::notes::Note;
-use super::rooms::Room;
-use super::state::{OpenFile, State};
-use crate::canvas::{Canvas, Marks, marks};
+use crate::core::event::Event;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::state::{OpenFile, State};
+use crate::jobs::evaluation::Request;
+use crate::rooms::canvas::{Canvas, Marks, marks};
 use coif_graphs::compare::{Told, diff, is_same_hair, told};
 use coif_graphs::document::{Document, NodeId};
 use coif_nodes::eval::Quality;
@@ -58,7 +58,7 @@ pub struct Compare {
 
 impl Compare {
     fn new(document: Document, file: OpenFile, name: String, mine: &State) -> Self {
-        let mut other = State::new(document.clone(), file, mine.settings.clone());
+        let mut other = State::new(document.clone(), file, mine.settings.clone(), mine.table);
         other.revision = FIRST_REVISION + mine.revision;
         Self {
             name,
@@ -156,11 +156,11 @@ impl Editor {
     fn compare_file(&mut self, path: &Path, name: String, is_before: bool) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         match documents::life::read(&path) {
-            Err(why) => self.state.notes.say(Note::error(format!("not compared: {why}"))),
+            Err(why) => self.state.apply(Event::Say(Note::error(format!("not compared: {why}")))),
             Ok((loaded, _)) => {
                 let shown = path.display();
                 for warning in loaded.conflicts.iter().chain(&loaded.warnings) {
-                    self.state.notes.say(Note::warning(warning.of_file(shown.to_string())));
+                    self.state.apply(Event::Say(Note::warning(warning.of_file(shown.to_string()))));
                 }
                 self.compare_document(loaded.document, OpenFile::at(path.clone()), name);
                 if let Some(compare) = &mut self.compare {

@@ -1,11 +1,12 @@
 //! Two documents side by side, driven as hands drive them.
 
+use crate::core::documents::Purpose;
+use crate::core::event::Event;
+use crate::core::notes::Gravity;
+use crate::core::room::Room;
+use crate::core::state::OpenFile;
 use crate::editor::Editor;
-use crate::editor::documents::{self, Purpose, testing::Folder, testing::until};
-use crate::editor::event::Event;
-use crate::editor::notes::Gravity;
-use crate::editor::rooms::Room;
-use crate::editor::state::OpenFile;
+use crate::testing::{Folder, until};
 use coif_graphs::compare::lines;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
@@ -270,7 +271,7 @@ fn what_was_saved_is_compared_with_what_was_made_of_it() {
     let mut ui = on(cornrows(), OpenFile::default());
     ui.state_mut().act("compare.saved");
     assert!(ui.state().compare().is_none(), "there is no file yet");
-    ui.state_mut().apply(Event::Documents(documents::Event::SaveTo(path)));
+    ui.state_mut().apply(Event::Documents(crate::core::documents::Event::SaveTo(path)));
     let setting = Setting::Known(Value::Int(5));
     let edit = Edit::SetInput { node: id("braid"), input: "strands".to_owned(), setting };
     ui.state_mut().apply(Event::Edit(edit));
@@ -280,8 +281,10 @@ fn what_was_saved_is_compared_with_what_was_made_of_it() {
     assert!(told.len() == 1 && told[0].ends_with("strands 3 to 5"), "{told:?}");
     // Another document is none to compare with.
     ui.state_mut().apply(Event::Edit(Edit::SetTitle("x".to_owned())));
-    ui.state_mut().apply(Event::Documents(documents::Event::New(None)));
-    ui.state_mut().apply(Event::Documents(documents::Event::Unsaved(documents::Unsaved::Discard)));
+    ui.state_mut().apply(Event::Documents(crate::core::documents::Event::New(None)));
+    ui.state_mut().apply(Event::Documents(crate::core::documents::Event::Unsaved(
+        crate::core::documents::Unsaved::Discard,
+    )));
     ui.run_steps(2);
     assert!(ui.state().compare().is_none());
 }

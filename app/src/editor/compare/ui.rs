@@ -1,10 +1,10 @@
 //! The canvas room while two documents are compared, and what stands over the picture then.
 
 use super::Compare;
-use crate::canvas::{Canvas, Mark};
-use crate::editor::event::Event;
-use crate::editor::state::{Select, State};
-use crate::editor::theme;
+use crate::core::event::Event;
+use crate::core::state::{Select, State};
+use crate::rooms::canvas::{Canvas, Mark};
+use crate::widgets::theme;
 use coif_graphs::document::NodeId;
 use egui::{Align, Color32, Label, Layout, Rect, RichText, ScrollArea, Ui, UiBuilder, Vec2};
 

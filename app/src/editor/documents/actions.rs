@@ -1,15 +1,16 @@
 //! What the documents' room adds to the table of actions.
 
-use super::{Event as FileEvent, Purpose};
+use crate::core::action::{Action, Can};
+use crate::core::documents::{Event as FileEvent, Purpose};
+use crate::core::event::Event;
 use crate::editor::Editor;
-use crate::editor::actions::{Action, always};
-use crate::editor::event::Event;
+use crate::editor::actions::{Own, always};
 
-fn file(editor: &mut Editor, event: FileEvent) {
-    editor.apply(Event::Documents(event));
+fn file(event: FileEvent, out: &mut Vec<Event>) {
+    out.push(Event::Documents(event));
 }
 
-fn compares(editor: &Editor) -> Result<(), &'static str> {
+fn compares(editor: &Editor) -> Can {
     match editor.compare() {
         Some(_) => Ok(()),
         None => Err("no other groom is open beside this one"),
@@ -17,7 +18,7 @@ fn compares(editor: &Editor) -> Result<(), &'static str> {
 }
 
 /// The menu "File".
-pub(crate) const ACTIONS: &[Action] = &[
+pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.new",
         label: "New…",
@@ -25,7 +26,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "template preset welcome start create",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Welcome(true)),
+        run: |_, out| file(FileEvent::Welcome(true), out),
     },
     Action {
         id: "file.empty",
@@ -34,7 +35,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "blank scene create bald",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::New(None)),
+        run: |_, out| file(FileEvent::New(None), out),
     },
     Action {
         id: "file.open",
@@ -43,7 +44,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "load read file",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Ask(Purpose::Open)),
+        run: |_, out| file(FileEvent::Ask(Purpose::Open), out),
     },
     Action {
         id: "file.recent",
@@ -52,7 +53,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "last history load",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Welcome(true)),
+        run: |_, out| file(FileEvent::Welcome(true), out),
     },
     Action {
         id: "file.head",
@@ -61,7 +62,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "import mesh scalp character model skull",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Ask(Purpose::Mesh)),
+        run: |_, out| file(FileEvent::Ask(Purpose::Mesh), out),
     },
     Action {
         id: "file.save",
@@ -70,7 +71,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "store write keep",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Save),
+        run: |_, out| file(FileEvent::Save, out),
     },
     Action {
         id: "file.save_as",
@@ -79,7 +80,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "store write copy rename",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Ask(Purpose::Save)),
+        run: |_, out| file(FileEvent::Ask(Purpose::Save), out),
     },
     Action {
         id: "file.export",
@@ -88,7 +89,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "usd write houdini maya blender unreal curves alembic output",
         menu: "File",
         when: |editor| editor.can_export(),
-        run: |editor| file(editor, FileEvent::Ask(Purpose::Export)),
+        run: |_, out| file(FileEvent::Ask(Purpose::Export), out),
     },
     Action {
         id: "file.picture",
@@ -97,7 +98,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "render image still screenshot png exr",
         menu: "File",
         when: |editor| editor.can_export(),
-        run: |editor| file(editor, FileEvent::Ask(Purpose::Picture)),
+        run: |_, out| file(FileEvent::Ask(Purpose::Picture), out),
     },
     Action {
         id: "file.stop_export",
@@ -106,7 +107,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "cancel abort",
         menu: "",
         when: |editor| editor.exports(),
-        run: |editor| file(editor, FileEvent::StopExport),
+        run: |_, out| file(FileEvent::StopExport, out),
     },
     Action {
         id: "compare.file",
@@ -115,7 +116,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "diff difference versions two side by side review",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Ask(Purpose::Compare)),
+        run: |_, out| file(FileEvent::Ask(Purpose::Compare), out),
     },
     Action {
         id: "compare.saved",
@@ -127,7 +128,7 @@ pub(crate) const ACTIONS: &[Action] = &[
             Some(_) => Ok(()),
             None => Err("this groom has no file yet"),
         },
-        run: Editor::compare_with_saved,
+        run: |_, out| file(FileEvent::CompareWithSaved, out),
     },
     Action {
         id: "compare.flip",
@@ -136,7 +137,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "compare toggle swap a b wipe other",
         menu: "View",
         when: compares,
-        run: Editor::flip,
+        run: |_, out| file(FileEvent::Flip, out),
     },
     Action {
         id: "compare.end",
@@ -145,7 +146,7 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "diff close stop",
         menu: "File",
         when: compares,
-        run: Editor::end_compare,
+        run: |_, out| file(FileEvent::EndCompare, out),
     },
     Action {
         id: "file.close",
@@ -154,6 +155,6 @@ pub(crate) const ACTIONS: &[Action] = &[
         words: "quit exit end leave",
         menu: "File",
         when: always,
-        run: |editor| file(editor, FileEvent::Close),
+        run: |_, out| file(FileEvent::Close, out),
     },
 ];

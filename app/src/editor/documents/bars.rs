@@ -2,10 +2,10 @@
 //! stand in the way: about unsaved changes.
 
 use super::{Disk, Documents, Event as FileEvent, Left, Next, Unsaved, journal};
+use crate::core::event::Event;
+use crate::core::state::State;
 use crate::editor::Editor;
-use crate::editor::event::Event;
-use crate::editor::panel;
-use crate::editor::state::State;
+use crate::widgets::panel;
 use egui::{Panel, ProgressBar};
 
 /// Documents that are offered at once; the others come up when these are dealt with.

@@ -3,7 +3,7 @@
 //! Folders are read on a thread, so that one which hangs is only empty.
 
 use super::dialogs::Question;
-use crate::editor::panel;
+use crate::widgets::panel;
 use egui::{Button, Key, ScrollArea, TextEdit};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -199,8 +199,8 @@ fn list(folder: &Path, endings: &[&str]) -> Listing {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Folder;
     use super::*;
+    use crate::testing::Folder;
 
     #[test]
     fn folders_come_first_and_only_files_that_fit() {

@@ -3,31 +3,15 @@
 //! The window never waits for a dialog. Where the system has none to show (no portal answers), that is told and the
 //! browser of this program is used instead ([`super::browser`]).
 
+use crate::core::documents::Purpose;
+use crate::jobs::render::files::Format as Pictures;
+use coif_nodes::formats::export::Format;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::task::{Context, Poll, Wake};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
-
-/// What a file is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// A groom to open.
-    Open,
-    /// A groom to compare this one with.
-    Compare,
-    /// A mesh for the head.
-    Mesh,
-    /// A mesh instead of one that is missing, for the same node.
-    Find,
-    /// Where the groom is saved.
-    Save,
-    /// Where hair is written.
-    Export,
-    /// Where a picture is written.
-    Picture,
-}
 
 impl Purpose {
     /// What the dialog says on top.
@@ -52,7 +36,7 @@ impl Purpose {
             Self::Open | Self::Compare | Self::Save => ("Grooms", &["ron"]),
             Self::Mesh | Self::Find => ("Meshes", MESHES),
             Self::Export => ("Hair", HAIR),
-            Self::Picture => ("Pictures", &["png", "exr"]),
+            Self::Picture => ("Pictures", PICTURES),
         }
     }
     /// A chosen path with an ending that fits.
@@ -73,8 +57,19 @@ impl Purpose {
 
 /// Meshes that the head node reads.
 pub(crate) const MESHES: &[&str] = coif_nodes::formats::mesh_in::EXTENSIONS;
-/// What hair is written as.
-pub(crate) const HAIR: &[&str] = &["usdc", "usda", "abc", "hair"];
+/// What files of hair and of pictures end in: those that jobs write, in their order.
+const HAIR: &[&str] = &endings(Format::ALL);
+const PICTURES: &[&str] = &endings(Pictures::ALL);
+
+/// The endings of a list of formats.
+const fn endings<F: Copy, const N: usize>(all: [(&'static str, F); N]) -> [&'static str; N] {
+    let (mut endings, mut at) = ([""; N], 0);
+    while at < N {
+        endings[at] = all[at].0;
+        at += 1;
+    }
+    endings
+}
 
 /// A question for a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -239,7 +234,6 @@ mod tests {
 
     #[test]
     fn endings_of_exports_are_those_that_can_be_written() {
-        use coif_nodes::formats::export::Format;
         assert!(HAIR.iter().all(|ending| Format::of_extension(ending).is_some()));
         assert_eq!(Format::EXTENSIONS.matches('.').count(), HAIR.len());
     }

@@ -4,15 +4,16 @@
 //! A snapshot of the document is evaluated on threads of its own, so editing goes on. Stopped or failed, no file is
 //! touched.
 
-use crate::cli::carry_out::Stop;
-use crate::cli::eval::{left_out_of_abc, write_files};
-use crate::cli::extension_of;
-use crate::cli::groom::{Opened, reads_all};
-use crate::cli::progress::Tell;
-use crate::cli::render::draw_open;
-use crate::cli::report::Report;
-use crate::editor::state::OpenFile;
+use crate::core::state::OpenFile;
 use crate::files::{Role, Together};
+use crate::jobs::evaluate::Opened;
+use crate::jobs::export::{formats, left_out_of_abc, write_files};
+use crate::jobs::open::reads_all;
+use crate::jobs::progress::Tell;
+use crate::jobs::render::files::{self, Series};
+use crate::jobs::render::{self, Request};
+use crate::jobs::report::Report;
+use crate::jobs::stop::Stop;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Progress};
 use coif_nodes::eval::Quality;
@@ -34,8 +35,8 @@ pub(crate) struct Export {
 pub(crate) enum Content {
     /// All hair.
     Hair,
-    /// A picture: the words of `coif render` but for graph and file.
-    Picture(Vec<String>),
+    /// A picture; the file is named apart.
+    Picture(Box<Request>),
 }
 
 /// How far an export is.
@@ -131,10 +132,13 @@ fn carry_out(
     let opened = Opened::of(document, file.folder, "export".to_owned(), allow_large)?;
     match content {
         Content::Hair => hair(&opened, path, cancel, told, report, &mut files)?,
-        Content::Picture(words) => {
-            let out = ["graph".to_owned(), "--out".to_owned(), path.display().to_string()];
-            let words: Vec<String> = out.into_iter().chain(words.iter().cloned()).collect();
-            draw_open(&words, &opened, cancel, told, report, &mut files)?;
+        Content::Picture(asked) => {
+            let out = [path.to_owned()];
+            let formats = files::formats(&out, Series::One)?;
+            let asked =
+                Request { files: out.into_iter().zip(formats).collect(), ..(**asked).clone() };
+            asked.claim(&mut files)?;
+            render::draw(&asked, &opened, cancel, told, report, &mut files)?;
         }
     }
     files.place(cancel).map_err(|(path, reason)| Stop::unwritten(&path, &reason, cancel))
@@ -148,22 +152,19 @@ fn hair(
     report: &mut Report,
     files: &mut Together,
 ) -> Result<(), Stop> {
-    let format = Format::of_extension(&extension_of(path)).ok_or_else(|| {
-        let endings = Format::EXTENSIONS;
-        Stop::refused(format!("{}: grooms are written as {endings}", path.display()))
-    })?;
+    let formats = formats(&[path.to_owned()])?;
     opened.refuse_problems(&[], &mut report.warnings)?;
     files.writes(path, Role::Output, path.display().to_string()).map_err(Stop::refused)?;
     files.allowed().map_err(Stop::failed)?;
     let evaluated = opened.evaluate(Quality::Final, cancel, told, report)?;
-    if format == Format::Abc {
+    if formats.contains(&Format::Abc) {
         report.warnings.extend(left_out_of_abc(&evaluated.groups));
     }
     write_files(
         &opened.document,
         (&evaluated.groups, &evaluated.sections),
         &[],
-        &[(path, format)],
+        &formats.into_iter().map(|format| (path, format)).collect::<Vec<_>>(),
         cancel,
         files,
         &|_, path| {

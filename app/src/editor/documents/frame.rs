@@ -6,10 +6,11 @@ use super::export::Ended;
 use super::remedies::with_remedy;
 use super::watch::Change;
 use super::{Browser, Event, bars, browser, home, own_head, welcome};
+use crate::core::event::Event as EditorEvent;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::state::State;
 use crate::editor::Editor;
-use crate::editor::notes::Note;
-use crate::editor::rooms::Room;
-use crate::editor::state::State;
 use coif_graphs::schedule::files::named;
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
@@ -52,18 +53,20 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
             Ended::Done(words, warnings) => {
                 for warning in warnings {
                     if let Some(note) = warned(&editor.state, &warning) {
-                        editor.state.notes.say(note);
+                        editor.state.apply(EditorEvent::Say(note));
                     }
                 }
-                editor.state.notes.say(Note::done(words));
+                editor.state.apply(EditorEvent::Say(Note::done(words)));
             }
             Ended::Failed(lines) => {
                 for line in lines {
-                    editor.state.notes.say(Note::error(with_remedy(&line, "")));
+                    editor.state.apply(EditorEvent::Say(Note::error(with_remedy(&line, ""))));
                 }
             }
             Ended::Stopped => {
-                editor.state.notes.say(Note::done("the export was stopped; nothing was written"));
+                editor.state.apply(EditorEvent::Say(Note::done(
+                    "the export was stopped; nothing was written",
+                )));
             }
         }
         if editor.documents.closes_after_export {
@@ -102,7 +105,7 @@ fn drop_file(editor: &mut Editor, path: &Path) {
                 path.display(),
                 MESHES.join(", .")
             );
-            return editor.state.notes.say(Note::warning(text));
+            return editor.state.apply(EditorEvent::Say(Note::warning(text)));
         }
     };
     editor.apply_to_file(event);
@@ -118,7 +121,7 @@ fn changed(editor: &mut Editor, change: &Change) {
         if gone {
             editor.documents.changed = false;
             let text = format!("{shown} is not there any more; saving writes it again");
-            editor.state.notes.say(Note::warning(text));
+            editor.state.apply(EditorEvent::Say(Note::warning(text)));
         } else {
             editor.documents.changed = true;
         }
@@ -128,7 +131,7 @@ fn changed(editor: &mut Editor, change: &Change) {
     editor.state.revision += 1;
     let text =
         if gone { "is not there any more" } else { "changed on the disk and was read again" };
-    editor.state.notes.say(Note::done(format!("{shown} {text}")));
+    editor.state.apply(EditorEvent::Say(Note::done(format!("{shown} {text}"))));
 }
 
 /// Bars under the menu, and windows. What they say is applied at once.
@@ -201,14 +204,14 @@ fn save_by_itself(editor: &mut Editor, ctx: &egui::Context) {
     let Some(path) = editor.state.file.path.clone() else { return };
     let waits = editor.state.gesture || editor.documents.changed;
     if !editor.state.history.is_changed() {
-        editor.documents.saved_at = editor.now;
+        editor.documents.saved_at = editor.state.now;
     } else if minutes > 0 && !waits {
-        let left = f64::from(minutes) * 60.0 - (editor.now - editor.documents.saved_at);
+        let left = f64::from(minutes) * 60.0 - (editor.state.now - editor.documents.saved_at);
         if left > 0.0 {
             return ctx.request_repaint_after(std::time::Duration::from_secs_f64(left));
         }
         // Tried again after as long, when it fails.
-        editor.documents.saved_at = editor.now;
+        editor.documents.saved_at = editor.state.now;
         editor.save_to(&path);
     }
 }

@@ -3,12 +3,14 @@
 use super::dialogs::System;
 use super::journal::{self, Journal};
 use super::kept;
-use super::places::Places;
 use super::recent::Recent;
-use crate::editor::notes::Note;
-use crate::editor::settings::Settings;
-use crate::editor::{Editor, rooms, theme};
+use crate::core::event::Event as EditorEvent;
+use crate::core::notes::Note;
+use crate::core::settings::Settings;
+use crate::editor::{Editor, layout};
 use crate::library;
+use crate::places::Places;
+use crate::widgets::theme;
 
 impl Editor {
     /// Keeps what it keeps in these folders from now on, takes what was kept there, and offers what sessions left that did
@@ -21,7 +23,7 @@ impl Editor {
         self.state.settings.pen.symmetry = false;
         told.extend(damage);
         let (layout, damage) = kept::load_with(&home.layout(), |text| {
-            rooms::read_layout(text).ok_or_else(|| "is no layout".to_owned())
+            layout::read_layout(text).ok_or_else(|| "is no layout".to_owned())
         });
         told.extend(damage);
         if let Some(layout) = layout {
@@ -56,11 +58,11 @@ impl Editor {
         documents.dialogs.get_or_insert_with(|| Box::new(System::new(wake)));
         documents.settings = Some(self.state.settings.clone());
         documents.home = Some(home);
-        told.into_iter().for_each(|text| self.state.notes.say(Note::warning(text)));
+        told.into_iter().for_each(|text| self.state.apply(EditorEvent::Say(Note::warning(text))));
         if let Some(path) = self.state.file.path.clone()
             && let Err(why) = self.documents.recent.add(&path)
         {
-            self.state.notes.say(Note::warning(why));
+            self.state.apply(EditorEvent::Say(Note::warning(why)));
         }
         show_settings(self, ctx);
     }
@@ -76,9 +78,9 @@ impl Editor {
     pub(crate) fn store_settings(&mut self) {
         let Some(home) = &self.documents.home else { return };
         let stored = kept::store(&home.settings(), &self.state.settings)
-            .and_then(|()| kept::store_text(&home.layout(), &rooms::write_layout(&self.dock)));
+            .and_then(|()| kept::store_text(&home.layout(), &layout::write_layout(&self.dock)));
         if let Err(why) = stored {
-            self.state.notes.say(Note::warning(why));
+            self.state.apply(EditorEvent::Say(Note::warning(why)));
         }
     }
 

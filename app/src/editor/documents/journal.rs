@@ -10,7 +10,7 @@
 //! session. A session is alive while it holds the lock of its own lock file, which the system lets go of however it ends; so
 //! sessions do not disturb each other, and numbers of processes may be given twice.
 
-use crate::files::{remove_left, write_text_unsynced};
+use crate::files::{MOST_DOCUMENT, name_twice, new_lock, remove_left, write_text_unsynced};
 use coif_graphs::document::Document;
 use coif_graphs::file::{read_bytes, write};
 use serde::{Deserialize, Serialize};
@@ -26,8 +26,6 @@ use std::time::{SystemTime, UNIX_EPOCH};
 const OPENING: &str = "// coif recovery ";
 /// Sessions that are looked at: more are no crash but a habit.
 const MOST_LEFT: usize = 50;
-/// The largest text that is read back.
-const MOST_BYTES: u64 = 256 << 20;
 
 /// What is told about a kept document besides itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -121,7 +119,7 @@ impl Journal {
             .find_map(|n| {
                 let session = format!("{:013}-{}-{n}", since.as_millis(), std::process::id());
                 let files = Files { folder: folder.to_owned(), session };
-                match File::create_new(files.lock()) {
+                match new_lock(&files.lock()) {
                     Err(err) if err.kind() == io::ErrorKind::AlreadyExists => None,
                     made => Some(made.map(|alive| (files, alive))),
                 }
@@ -218,8 +216,7 @@ fn write_on(shared: &Shared, files: &Files) {
             Some(Wish::Keep(kept)) => {
                 if is_synced {
                     // A second name for the text that is about to be replaced; file systems without them have one text.
-                    let _ = std::fs::remove_file(files.synced());
-                    let _ = std::fs::hard_link(files.text(), files.synced());
+                    name_twice(&files.text(), &files.synced());
                 }
                 is_synced = false;
                 let (about, document) = *kept;
@@ -294,7 +291,7 @@ pub(crate) fn leftovers(folder: &Path) -> Vec<Leftover> {
 }
 
 fn read(path: &Path) -> Option<(About, Document)> {
-    if std::fs::metadata(path).ok()?.len() > MOST_BYTES {
+    if std::fs::metadata(path).ok()?.len() > MOST_DOCUMENT {
         return None;
     }
     let bytes = std::fs::read(path).ok()?;
@@ -311,8 +308,8 @@ pub(crate) fn now() -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Folder, until};
     use super::*;
+    use crate::testing::{Folder, until};
 
     fn numbered(n: u64) -> Document {
         Document { title: format!("step {n}"), seed: n, ..Document::default() }

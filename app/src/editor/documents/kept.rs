@@ -3,7 +3,7 @@
 //! What is missing has its default. A damaged file never keeps the program from starting: it is set aside beside itself as
 //! `.bad`, and somebody is told.
 
-use crate::files::write_text;
+use crate::files::{set_aside, write_text};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::io::Read;
@@ -38,10 +38,8 @@ pub(crate) fn load_with<T>(
             Err(why) => why,
         },
     };
-    let mut aside = path.as_os_str().to_owned();
-    aside.push(".bad");
-    let kept = match std::fs::rename(path, &aside) {
-        Ok(()) => format!("it was kept as {}", Path::new(&aside).display()),
+    let kept = match set_aside(path) {
+        Ok(aside) => format!("it was kept as {}", aside.display()),
         Err(err) => format!("it could not be set aside: {err}"),
     };
     (None, Some(format!("{}: {damage}; defaults are used, {kept}", path.display())))
@@ -66,8 +64,8 @@ pub(crate) fn store_text(path: &Path, text: &str) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Folder;
     use super::*;
+    use crate::testing::Folder;
     use std::collections::BTreeMap;
 
     type Words = BTreeMap<String, u32>;

@@ -1,16 +1,19 @@
 //! The life of a document: new, opened, saved, restored, closed. What [`super::Event`]s do.
 
-use super::dialogs::{Purpose, Question};
+use super::dialogs::Question;
 use super::export::{Content, Export};
 use super::journal::About;
 use super::remedies::with_remedy;
 use super::watch::hash_of;
 use super::{Asking, Disk, Event, HeadChoice, Left, Next, Unsaved, journal, own_head, paths};
+use crate::core::documents::Purpose;
+use crate::core::event::Event as EditorEvent;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::state::OpenFile;
 use crate::editor::Editor;
-use crate::editor::notes::Note;
-use crate::editor::rooms::Room;
-use crate::editor::state::OpenFile;
-use crate::files::{Role, Together, read_at_most};
+use crate::files::{MOST_DOCUMENT, Role, Together, read_at_most};
+use crate::jobs::render::Request;
 use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
@@ -22,11 +25,8 @@ use coif_nodes::define::Value;
 use coif_shaders::Camera;
 use std::path::{Path, PathBuf};
 
-/// The largest document that is read: strokes take 20 bytes a sample, so this holds millions.
-const MOST_BYTES: u64 = 256 << 20;
-
 /// The document that begins with nothing but a head.
-pub(in super::super) fn empty_head() -> Document {
+pub(crate) fn empty_head() -> Document {
     let mut document = Document { title: "Untitled".to_owned(), ..Document::default() };
     let id = document.free_id("head");
     let node = document.fresh_node("head", &id);
@@ -57,6 +57,9 @@ impl Editor {
             Event::Head(choice) => self.head_chosen(choice),
             Event::Export(path) => self.export(Content::Hair, path),
             Event::Picture(path, size) => self.picture(path, size),
+            Event::CompareWithSaved => self.compare_with_saved(),
+            Event::Flip => self.flip(),
+            Event::EndCompare => self.end_compare(),
             Event::StopExport => {
                 if let Some(export) = &self.documents.export {
                     export.stop();
@@ -67,7 +70,7 @@ impl Editor {
             Event::Left(at, answer) => self.left(at, answer),
             Event::Forget(path) => {
                 if let Err(why) = self.documents.recent.remove(&path) {
-                    self.state.notes.say(Note::warning(why));
+                    self.state.apply(EditorEvent::Say(Note::warning(why)));
                 }
             }
             Event::Welcome(open) => {
@@ -82,8 +85,7 @@ impl Editor {
 
     /// Does something that loses the document: at once, or after a question where something is unsaved.
     fn after_question(&mut self, next: Next) {
-        self.state.history.end(&self.state.document);
-        self.state.gesture = false;
+        self.state.apply(EditorEvent::End);
         let exports = next == Next::Close && self.documents.export.is_some();
         if self.state.history.is_changed() || exports {
             self.documents.unsaved = Some(next);
@@ -123,7 +125,7 @@ impl Editor {
     fn put(&mut self, document: Document, file: OpenFile, history: History) {
         self.replace(document, file, history);
         // What was said is about the one before.
-        self.state.notes.clear();
+        self.state.apply(EditorEvent::Hush);
         self.documents.changed = false;
         self.documents.head = None;
         self.documents.frames = Some(self.state.revision);
@@ -137,11 +139,11 @@ impl Editor {
             Some(name) => match grooms::by_name(name).map(file::read) {
                 Some(Ok(loaded)) => loaded.document,
                 Some(Err(err)) => {
-                    return self.state.notes.say(Note::error(err.of_file(name)));
+                    return self.state.apply(EditorEvent::Say(Note::error(err.of_file(name))));
                 }
                 None => {
                     let text = format!("there is no shipped groom {name:?}");
-                    return self.state.notes.say(Note::error(text));
+                    return self.state.apply(EditorEvent::Say(Note::error(text)));
                 }
             },
         };
@@ -155,7 +157,7 @@ impl Editor {
         let (loaded, hash) = match read(&path) {
             Ok(read) => read,
             Err(why) => {
-                self.state.notes.say(Note::error(format!("not opened: {why}")));
+                self.state.apply(EditorEvent::Say(Note::error(format!("not opened: {why}"))));
                 return false;
             }
         };
@@ -163,12 +165,12 @@ impl Editor {
         self.put(loaded.document, OpenFile::at(path.clone()), History::new());
         self.remember(&path);
         for warning in &loaded.warnings {
-            self.state.notes.say(Note::warning(warning.of_file(&shown)));
+            self.state.apply(EditorEvent::Say(Note::warning(warning.of_file(&shown))));
         }
         self.tell_conflicts(&shown);
         for comment in &loaded.dropped_comments {
             let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
-            self.state.notes.say(Note::warning(text));
+            self.state.apply(EditorEvent::Say(Note::warning(text)));
         }
         true
     }
@@ -179,14 +181,14 @@ impl Editor {
         if left > 0 {
             let left = crate::words::counted(left, "conflict");
             let text = format!("{shown}: {left} of a merge left to decide, in the messages");
-            self.state.notes.say(Note::warning(text));
-            self.apply(crate::editor::event::Event::Show(Room::Messages));
+            self.state.apply(EditorEvent::Say(Note::warning(text)));
+            self.apply(crate::core::event::Event::Show(Room::Messages));
         }
     }
 
     fn remember(&mut self, path: &Path) {
         if let Err(why) = self.documents.recent.add(path) {
-            self.state.notes.say(Note::warning(why));
+            self.state.apply(EditorEvent::Say(Note::warning(why)));
         }
     }
 
@@ -214,7 +216,7 @@ impl Editor {
             documents.watched = before;
             documents.after_save = None;
             let why = with_remedy(&why, "choose another place with Save as");
-            state.notes.say(Note::error(format!("not saved: {why}")));
+            state.apply(EditorEvent::Say(Note::error(format!("not saved: {why}"))));
             return false;
         }
         history.mark_saved(&document);
@@ -227,8 +229,8 @@ impl Editor {
         }
         (state.document, state.history, state.file) = (document, history, file);
         documents.changed = false;
-        documents.saved_at = self.now;
-        state.notes.say(Note::done(format!("saved {}", path.display())));
+        documents.saved_at = state.now;
+        state.apply(EditorEvent::Say(Note::done(format!("saved {}", path.display()))));
         self.remember(&path);
         true
     }
@@ -276,7 +278,7 @@ impl Editor {
             (Purpose::Find, Some((node, input))) => {
                 let name = self.name_for(&path);
                 let setting = Setting::Known(Value::Text(name.into()));
-                self.apply(crate::editor::event::Event::Edit(Edit::SetInput {
+                self.apply(crate::core::event::Event::Edit(Edit::SetInput {
                     node,
                     input,
                     setting,
@@ -297,17 +299,20 @@ impl Editor {
         }
     }
 
-    fn picture(&mut self, path: PathBuf, [width, height]: [u32; 2]) {
-        let mut words = self.viewport.options.words();
-        words.extend([format!("--size={width}x{height}"), format!("--camera={PRESENT}")]);
-        words.push(format!("--samples={}", self.state.settings.samples));
-        self.export(Content::Picture(words), path);
+    fn picture(&mut self, path: PathBuf, size: [u32; 2]) {
+        let asked = Request {
+            size,
+            cameras: vec![PRESENT.to_owned()],
+            samples: self.state.settings.samples,
+            ..self.viewport.options.picture()
+        };
+        self.export(Content::Picture(asked.into()), path);
     }
 
     fn export(&mut self, content: Content, path: PathBuf) {
         if self.documents.export.is_some() {
             let text = "an export goes on; stop it or wait for its end";
-            return self.state.notes.say(Note::warning(text));
+            return self.state.apply(EditorEvent::Say(Note::warning(text)));
         }
         let wake = self.documents.wake.clone();
         let file = self.state.file.clone();
@@ -321,7 +326,7 @@ impl Editor {
         let allow_large = self.state.allow_large;
         match Export::start(content, document, file, allow_large, path, move || wake()) {
             Ok(export) => self.documents.export = Some(export),
-            Err(why) => self.state.notes.say(Note::error(why)),
+            Err(why) => self.state.apply(EditorEvent::Say(Note::error(why))),
         }
     }
 
@@ -331,7 +336,10 @@ impl Editor {
             Disk::Keep => self.documents.changed = false,
             Disk::Reload => {
                 if self.open(&path) {
-                    self.state.notes.say(Note::done(format!("opened again: {}", path.display())));
+                    self.state.apply(EditorEvent::Say(Note::done(format!(
+                        "opened again: {}",
+                        path.display()
+                    ))));
                 }
             }
             Disk::Compare => self.compare_with_disk(),
@@ -358,7 +366,7 @@ impl Editor {
         let text = format!("restored {}: it is not saved yet", left.about.name);
         // What was restored differs from its file, whatever was done to it since.
         self.put(left.document.clone(), file, History::default());
-        self.state.notes.say(Note::done(text));
+        self.state.apply(EditorEvent::Say(Note::done(text)));
         self.tell_journal();
         if let Some(journal) = &self.documents.journal {
             journal.forget(left);
@@ -370,7 +378,9 @@ impl Editor {
         let (state, documents) = (&self.state, &self.documents);
         let Some(journal) = &documents.journal else { return };
         if let Some(why) = journal.fault() {
-            self.state.notes.say(Note::warning(format!("the last step is not safe: {why}")));
+            self.state.apply(EditorEvent::Say(Note::warning(format!(
+                "the last step is not safe: {why}"
+            ))));
             return;
         }
         let now = (state.changes, state.file.path.clone(), state.history.is_changed());
@@ -426,7 +436,7 @@ const PICTURE: [u32; 2] = [1920, 1080];
 /// Reads a groom, with the hash of its bytes. The error is one line, with what to do.
 pub(in super::super) fn read(path: &Path) -> Result<(file::Loaded, u64), String> {
     let shown = path.display().to_string();
-    let bytes = read_at_most(path, MOST_BYTES)
+    let bytes = read_at_most(path, MOST_DOCUMENT)
         .map_err(|why| with_remedy(&format!("{shown}: {why}"), ""))?;
     let loaded = file::read_bytes(&bytes).map_err(|err| {
         let mend = "mend it in a text editor, or open an earlier copy";

@@ -16,27 +16,25 @@ mod frame;
 mod home;
 mod journal;
 pub(crate) mod kept;
-pub(super) mod life;
+pub(crate) mod life;
 mod own_head;
 mod paths;
-pub use crate::places;
 mod recent;
 mod remedies;
-#[cfg(test)]
-pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 mod watch;
 mod welcome;
 
-use super::settings::Settings;
+use crate::core::documents::{Disk, Event, HeadChoice, Left, Unsaved};
+use crate::core::settings::Settings;
+use crate::places::Places;
 use browser::Browser;
 use coif_graphs::document::NodeId;
 use dialogs::{Dialogs, Question};
 use export::Export;
 use journal::{Journal, Leftover};
 use own_head::OwnHead;
-use places::Places;
 use recent::Recent;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -45,93 +43,7 @@ use welcome::Welcome;
 
 pub(crate) use bars::changed;
 pub(crate) use bars::export_line;
-pub use dialogs::Purpose;
 pub(crate) use frame::{after, before, panels};
-
-/// Something that happened to a document as a whole.
-#[derive(Clone, Debug)]
-pub enum Event {
-    /// A new document: a shipped groom by its name, or the empty head.
-    New(Option<&'static str>),
-    /// A new document on which an action, a recipe's, is done at once.
-    Begin(&'static str),
-    /// A file is opened.
-    Open(PathBuf),
-    /// Saves to its file; asks for one where there is none.
-    Save,
-    /// Saves to a file, which is the document's from then on.
-    SaveTo(PathBuf),
-    /// Asks for a file.
-    Ask(Purpose),
-    /// Asks for a file that a node's input is missing.
-    Find(NodeId, String),
-    /// A mesh becomes the head.
-    Mesh(PathBuf),
-    /// The head stands as it should, or is taken back.
-    Head(HeadChoice),
-    /// Hair is written to a file.
-    Export(PathBuf),
-    /// A picture of what the viewport looks at is written to a file, of so many pixels.
-    Picture(PathBuf, [u32; 2]),
-    /// The export that goes on stops.
-    StopExport,
-    /// The window is to be closed.
-    Close,
-    /// What becomes of unsaved changes.
-    Unsaved(Unsaved),
-    /// What becomes of a file that others changed.
-    Disk(Disk),
-    /// What becomes of what a session left: its number in the list.
-    Left(usize, Left),
-    /// A file is not offered as recent any more.
-    Forget(PathBuf),
-    /// The welcome panel opens or closes.
-    Welcome(bool),
-}
-
-/// What becomes of unsaved changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unsaved {
-    /// They are saved first.
-    Save,
-    /// They are lost.
-    Discard,
-    /// Nothing happens at all.
-    Cancel,
-}
-
-/// What becomes of a file that others changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Disk {
-    /// It is opened again.
-    Reload,
-    /// The document stays; saving replaces the file.
-    Keep,
-    /// Both are shown side by side.
-    Compare,
-}
-
-/// What becomes of what a session left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Left {
-    /// It is opened.
-    Restore,
-    /// It is offered again at the next start.
-    Keep,
-    /// It is removed for good.
-    Discard,
-}
-
-/// What becomes of a head that was just chosen.
-#[derive(Clone, Debug)]
-pub enum HeadChoice {
-    /// It stands otherwise. `true`: somebody drags.
-    Try(own_head::Placing, bool),
-    /// It stays as it stands.
-    Accept,
-    /// The head from before comes back.
-    Cancel,
-}
 
 /// What waits until unsaved changes are dealt with.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -194,7 +106,7 @@ pub struct Documents {
 
 impl Documents {
     /// What wakes the window from a thread.
-    pub(in crate::editor) fn waker(&self) -> Arc<dyn Fn() + Send + Sync> {
+    pub(crate) fn waker(&self) -> Arc<dyn Fn() + Send + Sync> {
         self.wake.clone()
     }
 

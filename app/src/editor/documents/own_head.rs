@@ -4,37 +4,18 @@
 //! was done in between. What the head node finds (sphere, axes, units, hairline) is told in its own words.
 
 use super::life::head_of;
-use super::{Event as FileEvent, HeadChoice};
+use crate::core::documents::{Event as FileEvent, HeadChoice, Placing};
+use crate::core::event::Event;
+use crate::core::notes::Note;
+use crate::core::state::{Select, State};
 use crate::editor::Editor;
-use crate::editor::event::Event;
-use crate::editor::notes::Note;
-use crate::editor::panel;
-use crate::editor::state::{Select, State};
+use crate::widgets::panel;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting};
 use coif_nodes::data::scalp::Part;
 use coif_nodes::define::Value;
 use egui::{Button, DragValue, Grid, ScrollArea, Slider};
 use std::path::Path;
-
-/// How a head is understood: the inputs of the head node that people may have to correct.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Placing {
-    /// Degrees about the up axis.
-    pub turn: f32,
-    /// The axis that the face looks along; empty finds the face.
-    pub forward: &'static str,
-    /// The axis that points up in the file; empty takes Y, and another one where no head is found so.
-    pub up: &'static str,
-    /// What is no head, as the head node's `leave_out` names it.
-    pub leave_out: Vec<String>,
-    /// Centimetres in one unit of the file; 0 finds them.
-    pub scale: f32,
-    /// Radius of the cranium, cm; 0 keeps the fitted sphere.
-    pub radius: f32,
-    /// Whether the mesh is no human head and keeps its own axes.
-    pub no_head: bool,
-}
 
 /// A head that was not accepted yet.
 pub(crate) struct OwnHead {

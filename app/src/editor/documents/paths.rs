@@ -103,8 +103,8 @@ fn written(path: &Path) -> String {
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::super::testing::Folder;
     use super::*;
+    use crate::testing::Folder;
     use coif_graphs::document::Node;
     use coif_graphs::document::edit::Edit;
 

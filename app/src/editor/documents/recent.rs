@@ -73,8 +73,8 @@ impl Recent {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Folder, until};
     use super::*;
+    use crate::testing::{Folder, until};
 
     #[test]
     fn the_latest_come_first_each_once_at_most_twenty_shared_by_sessions() {

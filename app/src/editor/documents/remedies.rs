@@ -28,9 +28,9 @@ pub(super) fn with_remedy(why: &str, else_: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Folder;
     use super::*;
     use crate::files::{read_at_most, write_text};
+    use crate::testing::Folder;
 
     #[test]
     fn every_reason_that_files_give_has_its_remedy() {

@@ -4,13 +4,14 @@
 use super::dialogs::Answer;
 use super::dialogs::fake::Fake;
 use super::journal::leftovers;
-use super::places::Places;
-use super::testing::{Folder, until};
-use super::{Event as FileEvent, Purpose, life};
+use super::life;
+use crate::core::documents::{Event as FileEvent, Purpose};
+use crate::core::event::Event;
+use crate::core::notes::Gravity;
+use crate::core::state::OpenFile;
 use crate::editor::Editor;
-use crate::editor::event::Event;
-use crate::editor::notes::Gravity;
-use crate::editor::state::OpenFile;
+use crate::places::Places;
+use crate::testing::{Folder, until};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
 use coif_graphs::file;
@@ -473,7 +474,7 @@ fn hostile_meshes_are_told_by_the_node_and_can_be_taken_back() {
             let state = &ui.state().state;
             ui.state().is_idle() && state.run.reports.revision == state.revision
         });
-        let said = crate::editor::messages::all(&ui.state().state);
+        let said = crate::rooms::messages::all(&ui.state().state);
         refused += usize::from(said.iter().any(|m| {
             m.gravity == Gravity::Error && m.node.as_ref().is_some_and(|id| id.as_str() == "head")
         }));
@@ -514,7 +515,7 @@ fn what_the_window_exports_is_what_the_command_line_writes() {
     let words = ["coif", saved.to_str().unwrap(), "--out", theirs.to_str().unwrap(), "--report"];
     let words = words.into_iter().chain(report.to_str());
     let exit = crate::cli::eval::run(Words::parse_from(words).eval);
-    assert_eq!(exit, crate::cli::Exit::Done);
+    assert_eq!(exit, crate::jobs::stop::Exit::Done);
     assert!(std::fs::read(ours).unwrap() == std::fs::read(theirs).unwrap());
     // A hash is for scripts: the command line's report has it.
     let report: serde_json::Value =

@@ -209,8 +209,8 @@ fn hash_file(path: &Path) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Folder, until};
     use super::*;
+    use crate::testing::{Folder, until};
     use std::sync::atomic::{AtomicU32, Ordering};
 
     fn watch() -> (Watch, Arc<AtomicU32>) {

@@ -2,13 +2,13 @@
 //! anything.
 
 use super::Event as FileEvent;
-use super::dialogs::Purpose;
 use super::recent::Recent;
-use crate::editor::event::Event;
-use crate::editor::panel;
-use crate::editor::settings::Settings;
-use crate::editor::state::State;
-use crate::pen::recipes;
+use crate::core::documents::Purpose;
+use crate::core::event::Event;
+use crate::core::settings::Settings;
+use crate::core::state::State;
+use crate::rooms::pen::recipes;
+use crate::widgets::panel;
 use coif_graphs::document::Thumbnail;
 use coif_graphs::grooms;
 use egui::{

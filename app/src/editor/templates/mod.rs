@@ -1,341 +1,154 @@
-//! The room *Templates*: what can be put among the nodes, with pictures, found by what is typed.
-//!
-//! Guarantees: the window waits for no file and decodes few pictures in a frame; a file that is no template is listed with the reason;
-//! what is added is one undo step.
+//! What is done with templates: one is added to the document, one's file gets a picture.
 
-mod card;
-pub(crate) mod deed;
-mod pictures;
-mod shelf;
-#[cfg(test)]
-mod tests;
 mod upgrade;
 
-pub(crate) use card::{carried, dropped};
-pub(crate) use shelf::{Listed, Row, Shelf};
-pub(crate) use upgrade::{Newer, Offer, newer};
-
-use crate::editor::event::Event as EditorEvent;
-use crate::editor::state::State;
-use crate::editor::theme;
-use crate::words::counted;
-use card::Said;
-use coif_graphs::document::{NodeId, Point};
-use egui::{Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, vec2};
-use pictures::Pictures;
+use crate::core::event::Event as EditorEvent;
+use crate::core::notes::Note;
+use crate::core::state::Select;
+use crate::core::templates::{Event, Listed, Which};
+use crate::editor::Editor;
+use crate::files::Together;
+use crate::jobs::thumbnail;
+use crate::library::{self, Entry};
+use crate::rooms::templates::at_work::{Purpose, Reading};
+use coif_graphs::document::Point;
+use coif_graphs::grooms;
+use coif_graphs::schedule::run::{CancelToken, Quiet};
+use coif_graphs::template::{self, Added, Place};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// What happens to templates.
-#[derive(Clone, Debug)]
-pub enum Event {
-    /// One is added to the group that the canvas shows.
-    Add {
-        /// Which.
-        template: Which,
-        /// Where on the canvas; none: in the middle of what is in sight.
-        at: Option<Point>,
-    },
-    /// One's file gets a picture.
-    Thumbnail(PathBuf),
-    /// What upgrading an instance would do is shown.
-    Compare {
-        /// The instance.
-        id: NodeId,
-        /// What would come in its place.
-        template: Which,
-    },
-    /// The upgrade that is shown is done.
-    Upgrade,
-    /// It is not done.
-    NotNow,
-    /// An instance stays at its version for good, or no longer.
-    Keep {
-        /// The instance.
-        id: NodeId,
-        /// Whether it stays.
-        kept: bool,
-    },
-}
-
-/// A template on the shelf.
-#[derive(Clone, Debug)]
-pub struct Which(pub(crate) Arc<Listed>);
-
-/// The room.
-#[derive(Default)]
-pub(crate) struct Templates {
-    /// Folders beside what comes with coif, as people know them.
-    pub(crate) folders: Vec<(String, PathBuf)>,
-    pub(crate) shelf: Shelf,
-    pub(crate) pictures: Pictures,
-    pub(crate) at_work: deed::AtWork,
-    typed: String,
-    /// The key of the row that is chosen.
-    chosen: Option<String>,
-    /// The frame in which it was seen last, and whether the window had the keyboard.
-    seen: Option<u64>,
-    focused: bool,
-    /// The field of the search is to take what is typed.
-    search: bool,
-    /// The chosen one is to be in sight.
-    reveal: bool,
-}
-
-/// Height of what is said of the chosen one.
-const DETAILS: f32 = 136.0;
-/// Where a room is lower there is no place for it.
-const LEAST: f32 = 280.0;
-
-impl Templates {
-    /// The field of the search takes what is typed next.
-    pub(crate) fn search(&mut self) {
-        self.search = true;
+impl Editor {
+    /// Something happens to templates.
+    pub(crate) fn apply_to_templates(&mut self, event: Event) {
+        match event {
+            Event::Add { template: Which(listed), at } => {
+                self.read_listed(&listed, Purpose::Add(at));
+            }
+            Event::Compare { id, template } => self.show_fates(id, template),
+            Event::Upgrade => self.upgrade(),
+            Event::NotNow => self.state.offer = None,
+            Event::Keep { id, kept } => self.keep_version(&id, kept),
+            Event::Thumbnail(path) => self.make_thumbnail(path),
+        }
     }
 
-    /// Types words into the search, and chooses the first that they find.
-    #[cfg(test)]
-    pub(crate) fn find(&mut self, words: &str) {
-        self.typed = words.to_owned();
-        let rows = self.shelf.rows();
-        let first = self.shown(&rows).first().map(|row| row.key());
-        self.chosen = first.filter(|_| !words.is_empty());
+    /// Reads a template for a purpose: what comes with coif at once, a file on a thread.
+    pub(super) fn read_listed(&mut self, listed: &Listed, purpose: Purpose) {
+        let Some(path) = listed.path.clone() else {
+            let name = &listed.origin.name;
+            let text = grooms::TEMPLATES.iter().find(|(known, _)| known == name);
+            let read = text.ok_or_else(|| "it does not come with this version".to_owned());
+            return self.take_read(read.and_then(|(_, text)| library::shipped(text)), purpose);
+        };
+        // A folder that hangs keeps nobody waiting.
+        let reading = Arc::new(Mutex::new(Reading { read: None, purpose }));
+        let (to, wake) = (reading.clone(), self.documents.waker());
+        let begun = std::thread::Builder::new().name("template".to_owned()).spawn(move || {
+            let read = library::read(&path).map_err(|why| format!("{}: {why}", path.display()));
+            to.lock().unwrap_or_else(PoisonError::into_inner).read = Some(read);
+            wake();
+        });
+        match begun {
+            Ok(_) => self.templates.at_work.reading = Some(reading),
+            Err(why) => self.apply(EditorEvent::Say(Note::error(why.to_string()))),
+        }
     }
 
-    /// The folders are looked through again.
-    pub(crate) fn look(&self, ctx: &egui::Context) {
-        let ctx = ctx.clone();
-        self.shelf.look(self.folders.clone(), move || ctx.request_repaint());
+    fn take_read(&mut self, read: Result<Entry, String>, purpose: Purpose) {
+        match (read, purpose) {
+            (Err(why), _) => self.apply(EditorEvent::Say(Note::warning(why))),
+            (Ok(entry), Purpose::Add(at)) => self.add_template(&entry, at),
+            (Ok(entry), Purpose::Compare(id)) => self.offer(id, entry),
+        }
     }
 
-    /// Shows it.
-    pub(crate) fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<EditorEvent>) {
-        let frame = ui.ctx().cumulative_frame_nr();
-        let focused = ui.input(|input| input.focused);
-        let opened = self.seen.is_none_or(|seen| seen + 1 < frame);
-        if opened || (focused && !self.focused) {
-            self.look(ui.ctx());
+    /// Adds a template to the group that the canvas shows, in one step, and selects it.
+    fn add_template(&mut self, entry: &Entry, at: Option<Point>) {
+        let within = self.state.group.clone();
+        let at = at.or_else(|| self.canvas.middle(&self.state.document));
+        let drawn = self.state.active().cloned();
+        let place = Place { within: within.as_ref(), at, drawn: drawn.as_ref() };
+        let added = match template::add(&self.state.document, &entry.document, place) {
+            Ok(added) => added,
+            Err(why) => {
+                let note = Note::warning(format!("{}: {why}", entry.title));
+                return self.apply(EditorEvent::Say(note));
+            }
+        };
+        let Added { edit, id, draws } = added;
+        self.apply(EditorEvent::Begin(format!("template: {}", entry.title.to_lowercase())));
+        self.apply(EditorEvent::Edit(edit));
+        self.apply(EditorEvent::End);
+        self.apply(EditorEvent::Select(Select::Nodes(vec![id])));
+        // What it has drawn for it waits for the pen.
+        if let Some(draws) = draws {
+            self.apply(EditorEvent::TakeUpPen(draws));
         }
-        (self.seen, self.focused) = (Some(frame), focused);
-        self.pictures.begin(frame);
-        let rows = self.shelf.rows();
-        let shown = self.shown(&rows);
-        let typing = self.field(ui, shown.len(), rows.len());
-        let keyed = typing
-            || (state.focus == crate::editor::rooms::Room::Templates
-                && !ui.ctx().egui_wants_keyboard_input());
-        let chosen = shown.iter().copied().find(|row| Some(row.key()) == self.chosen).cloned();
-        if ui.available_height() > LEAST {
-            egui::Panel::bottom("chosen template").resizable(false).exact_size(DETAILS).show(
-                ui,
-                |ui| {
-                    self.details(ui, chosen.as_ref(), out);
-                },
-            );
-        }
-        let columns = card::columns(ui.available_width());
-        if keyed && !shown.is_empty() {
-            self.keys(ui, &shown, columns, typing, out);
-        }
-        if shown.is_empty() {
-            ui.add_space(8.0);
-            ui.label(RichText::new(self.nothing()).color(theme::QUIET));
+    }
+
+    fn make_thumbnail(&mut self, path: PathBuf) {
+        if self.templates.at_work.is_busy() {
             return;
         }
-        self.grid(ui, &shown, columns, out);
-    }
-
-    fn nothing(&self) -> &'static str {
-        match (self.shelf.is_new(), self.typed.trim().is_empty()) {
-            (true, _) => "Reading templates…",
-            (false, true) => "There are no templates.",
-            (false, false) => "No template says all of these words.",
-        }
-    }
-
-    /// The rows that have all words that are typed: those first whose title begins with them, and of these the shortest.
-    fn shown<'a>(&self, rows: &'a [Row]) -> Vec<&'a Row> {
-        let words: Vec<String> =
-            self.typed.to_lowercase().split_whitespace().map(str::to_owned).collect();
-        let mut shown: Vec<&Row> = rows.iter().filter(|row| row.says(&words)).collect();
-        let typed = words.join(" ");
-        let titled = |row: &&Row| row.title().to_lowercase().starts_with(&typed);
-        if !typed.is_empty() {
-            shown.sort_by_key(|row| match titled(row) {
-                true => (false, row.title().len()),
-                false => (true, 0),
-            });
-        }
-        shown
-    }
-
-    /// The field of the search; whether it has the keyboard.
-    fn field(&mut self, ui: &mut Ui, shown: usize, all: usize) -> bool {
-        let id = egui::Id::new("search templates");
-        let hint = match all {
-            0 => "Search templates".to_owned(),
-            _ => format!("Search {}", counted(all, "template")),
-        };
-        let field = TextEdit::singleline(&mut self.typed)
-            .id(id)
-            .hint_text(hint)
-            .vertical_align(egui::Align::Center)
-            .min_size(ui.spacing().interact_size)
-            .desired_width(f32::INFINITY);
-        if std::mem::take(&mut self.search) {
-            ui.memory_mut(|memory| memory.request_focus(id));
-        }
-        let field = ui.add(field);
-        ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("Search templates"));
-        if field.changed() {
-            (self.chosen, self.reveal) = (None, true);
-        }
-        if !self.typed.trim().is_empty() && ui.available_height() > LEAST {
-            ui.label(RichText::new(format!("{shown} of {all}")).small().color(theme::QUIET));
-        }
-        // Enter leaves a field of one line; it adds what is chosen all the same.
-        field.has_focus() || field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
-    }
-
-    /// Arrows choose, Enter adds.
-    fn keys(
-        &mut self,
-        ui: &Ui,
-        shown: &[&Row],
-        columns: usize,
-        typing: bool,
-        out: &mut Vec<EditorEvent>,
-    ) {
-        let key = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
-        let now = shown.iter().position(|row| Some(row.key()) == self.chosen);
-        let last = shown.len() - 1;
-        let steps = [
-            (Key::ArrowDown, columns as isize),
-            (Key::ArrowUp, -(columns as isize)),
-            (Key::ArrowRight, 1),
-            (Key::ArrowLeft, -1),
-        ];
-        // Left and right move in what is typed.
-        for (arrow, by) in steps.into_iter().take(if typing { 2 } else { 4 }) {
-            if key(arrow) {
-                let to = now.map_or(0, |now| now.saturating_add_signed(by).min(last));
-                (self.chosen, self.reveal) = (Some(shown[to].key()), true);
-            }
-        }
-        if ui.input(|input| input.key_pressed(Key::Enter)) {
-            // What is typed means the first that it finds.
-            let first = now.or((typing && !self.typed.trim().is_empty()).then_some(0));
-            if let Some(Row::Found(it)) = first.map(|at| shown[at]) {
-                out.push(add(it, None));
-            }
-        }
-    }
-
-    fn grid(&mut self, ui: &mut Ui, shown: &[&Row], columns: usize, out: &mut Vec<EditorEvent>) {
-        let width = (ui.available_width() - 10.0).max(24.0);
-        let size = card::size(width, columns);
-        let lines = shown.len().div_ceil(columns);
-        let mut area = ScrollArea::vertical().auto_shrink(false).min_scrolled_height(16.0);
-        if std::mem::take(&mut self.reveal) {
-            let at = shown.iter().position(|row| Some(row.key()) == self.chosen).unwrap_or(0);
-            area = area.vertical_scroll_offset(card::offset(
-                at / columns,
-                size.y,
-                ui.available_height(),
-            ));
-        }
-        ui.spacing_mut().item_spacing = vec2(card::GAP, card::GAP);
-        area.show_rows(ui, size.y, lines, |ui, range| {
-            for line in range {
-                ui.horizontal(|ui| {
-                    for row in shown.iter().skip(line * columns).take(columns) {
-                        let key = row.key();
-                        let chosen = Some(&key) == self.chosen.as_ref();
-                        match card::show(ui, row, (&key, chosen, size), &mut self.pictures) {
-                            Said::Nothing => {}
-                            Said::Chosen => self.chosen = Some(key),
-                            Said::Added => {
-                                self.chosen = Some(key);
-                                if let Row::Found(it) = row {
-                                    out.push(add(it, None));
-                                }
-                            }
-                        }
-                    }
-                });
-            }
+        let done = Arc::new(Mutex::new(None));
+        let (to, wake, file) = (done.clone(), self.documents.waker(), path.clone());
+        let begun = std::thread::Builder::new().name("thumbnail".to_owned()).spawn(move || {
+            let drawn = drawn(&file);
+            *to.lock().unwrap_or_else(PoisonError::into_inner) = Some(drawn);
+            wake();
         });
+        match begun {
+            Ok(_) => {
+                self.templates.at_work.drawing = Some(done);
+                self.templates.at_work.path = path;
+            }
+            Err(why) => self.apply(EditorEvent::Say(Note::error(why.to_string()))),
+        }
     }
 
-    /// What is said of the chosen one, and what can be done with it.
-    fn details(&mut self, ui: &mut Ui, chosen: Option<&Row>, out: &mut Vec<EditorEvent>) {
-        let area = ScrollArea::vertical().auto_shrink(false).min_scrolled_height(16.0);
-        area.show(ui, |ui| match chosen {
-            None => {
-                ui.add_space(4.0);
-                let text = "Drag a template among the nodes, or press Enter to add it.";
-                ui.label(RichText::new(text).color(theme::QUIET));
-            }
-            Some(Row::Broken(it)) => {
-                ui.add_space(2.0);
-                ui.label(RichText::new(format!("⚠ {}", it.path.display())).color(theme::WARNING));
-                ui.label(format!("In {}: no template that can be added: {}.", it.place, it.why));
-            }
-            Some(Row::Found(it)) => self.of_template(ui, it, out),
+    /// Takes what threads have done.
+    pub(crate) fn settle_templates(&mut self, ctx: &egui::Context) {
+        let at_work = &mut self.templates.at_work;
+        let read = at_work.reading.as_ref().and_then(|reading| {
+            let mut reading = reading.lock().unwrap_or_else(PoisonError::into_inner);
+            Some((reading.read.take()?, reading.purpose.clone()))
         });
-    }
-
-    fn of_template(&mut self, ui: &mut Ui, it: &Arc<Listed>, out: &mut Vec<EditorEvent>) {
-        ui.add_space(2.0);
-        ui.horizontal(|ui| {
-            let tip = "Adds it in the middle of the nodes in sight (Enter)";
-            if ui.button("Add").on_hover_text(tip).clicked() {
-                out.push(add(it, None));
-            }
-            let own = it.path.clone().filter(|_| !self.at_work.is_busy());
-            let tip = "Draws the template small and keeps the picture in its file";
-            let none = if it.path.is_none() {
-                "It comes with coif, picture and all"
-            } else {
-                "One is being drawn"
+        let done = at_work
+            .drawing
+            .as_ref()
+            .and_then(|done| done.lock().unwrap_or_else(PoisonError::into_inner).take());
+        if read.is_some() {
+            at_work.reading = None;
+        }
+        if let Some(done) = done {
+            at_work.drawing = None;
+            let note = match done {
+                Ok(()) => Note::done(format!("thumbnail kept in {}", at_work.path.display())),
+                Err(why) => Note::error(why),
             };
-            let button = ui.add_enabled(own.is_some(), egui::Button::new("Make thumbnail"));
-            if button.on_hover_text(tip).on_disabled_hover_text(none).clicked() {
-                out.extend(own.map(|path| EditorEvent::Templates(Event::Thumbnail(path))));
-            }
-            if self.at_work.is_busy() {
-                ui.spinner();
-            }
-            ui.add(egui::Label::new(RichText::new(&it.title).strong()).truncate());
-        });
-        let line = |ui: &mut Ui, text: String, whole: &str| {
-            ui.add(egui::Label::new(RichText::new(text).color(theme::QUIET)).truncate())
-                .on_hover_text(whole);
-        };
-        let origin = &it.origin;
-        ui.add(egui::Label::new(&it.description).truncate()).on_hover_text(&it.description);
-        let some =
-            |text: &str, or: &str| if text.is_empty() { or.to_owned() } else { text.to_owned() };
-        let needs = origin.needs.join(", ");
-        let takes = some(&it.takes, "nothing");
-        let needs = if needs.is_empty() {
-            format!("takes {takes}")
-        } else {
-            format!("takes {takes}; needs {needs}")
-        };
-        line(ui, needs.clone(), &needs);
-        let path = it.path.as_ref().map_or(String::new(), |path| path.display().to_string());
-        line(ui, format!("version {}, {}", some(&origin.version, "unnamed"), it.place), &path);
-        let by = format!(
-            "by {}, {}",
-            some(&origin.author, "nobody named"),
-            some(&origin.licence, "no licence named")
-        );
-        let source = some(&origin.source, "Nothing is said of where the style comes from.");
-        line(ui, by.clone(), &format!("{by}\n{source}"));
+            self.apply(EditorEvent::Say(note));
+            self.templates.look(ctx);
+        }
+        if let Some((read, purpose)) = read {
+            self.take_read(read, purpose);
+        }
+        // What a groom is made of is compared with what there is.
+        let shelf = &self.templates.shelf;
+        if shelf.is_new()
+            && !shelf.is_looking()
+            && template::instances(&self.state.document).next().is_some()
+        {
+            self.templates.look(ctx);
+        }
+        self.state.shelf = (!shelf.is_new()).then(|| shelf.rows());
+        self.keep_offer();
     }
 }
 
-fn add(it: &Arc<Listed>, at: Option<Point>) -> EditorEvent {
-    EditorEvent::Templates(Event::Add { template: Which(it.clone()), at })
+fn drawn(path: &std::path::Path) -> Result<(), String> {
+    let (cancel, mut files) = (CancelToken::default(), Together::default());
+    thumbnail::renew(path, thumbnail::SIZE, thumbnail::CAMERA, &Quiet, &cancel, &mut files)
+        .map_err(|stop| stop.lines().join("; "))?;
+    files.place(&cancel).map_err(|(path, why)| format!("{}: {why}", path.display()))
 }

@@ -3,76 +3,20 @@
 //! Guarantees: nothing changes before it was told value by value; an upgrade is one undo step, and so is keeping a version for good;
 //! an instance whose template is in no library loses nothing.
 
-use super::{Listed, Row, Which};
+use crate::core::event::Event as EditorEvent;
+use crate::core::notes::Note;
+use crate::core::templates::{Offer, Which};
 use crate::editor::Editor;
-use crate::editor::event::Event as EditorEvent;
-use crate::editor::notes::Note;
-use crate::editor::state::State;
-use crate::library::{self, Entry};
-use coif_graphs::document::{NodeId, Origin};
-use coif_graphs::template::{self, Told};
-use std::cmp::Ordering;
+use crate::library::Entry;
+use crate::rooms::templates::at_work::Purpose;
+use coif_graphs::document::NodeId;
+use coif_graphs::template;
 use std::sync::Arc;
-
-/// What the library has for an instance.
-pub(crate) enum Newer<'a> {
-    /// A version that is not what the instance was made of.
-    There(&'a Arc<Listed>),
-    /// None; the instance is of the newest.
-    Newest,
-    /// The library has no template of this name.
-    Missing,
-    /// It is not known yet.
-    Unread,
-}
-
-/// What the library has for an instance.
-pub(crate) fn newer<'a>(state: &'a State, origin: &Origin) -> Newer<'a> {
-    let Some(shelf) = &state.shelf else { return Newer::Unread };
-    let version = |it: &Listed| it.origin.version.clone();
-    let all = shelf.iter().filter_map(|row| match row {
-        Row::Found(it) if it.origin.name == origin.name => Some(it),
-        _ => None,
-    });
-    let newest = all.reduce(|a, b| {
-        if library::by_version(&version(b), &version(a)) == Ordering::Greater { b } else { a }
-    });
-    match newest {
-        None => Newer::Missing,
-        Some(it) if it.hash == origin.hash => Newer::Newest,
-        Some(it) if library::by_version(&version(it), &origin.version) == Ordering::Less => {
-            Newer::Newest
-        }
-        Some(it) => Newer::There(it),
-    }
-}
-
-/// An upgrade that is shown before it is done.
-#[derive(Clone)]
-pub(crate) struct Offer {
-    /// The instance.
-    pub(crate) id: NodeId,
-    /// What comes in its place.
-    entry: Arc<Entry>,
-    /// As of so many changes of the document.
-    of: u64,
-    /// What becomes of every value and wire on it.
-    pub(crate) told: Vec<Told>,
-    /// What is in it was changed since it was made: that would go.
-    pub(crate) changed_inside: bool,
-}
-
-impl Offer {
-    /// The version that would come.
-    pub(crate) fn version(&self) -> &str {
-        &self.entry.origin.version
-    }
-}
 
 impl Editor {
     /// Reads a template, to show what upgrading to it would do.
     pub(super) fn show_fates(&mut self, id: NodeId, Which(listed): Which) {
-        self.read_listed(&listed, super::deed::Purpose::Compare(id));
+        self.read_listed(&listed, Purpose::Compare(id));
     }
 
     /// Shows what an upgrade would do.

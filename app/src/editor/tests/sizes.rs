@@ -2,8 +2,8 @@
 //! within reach; and afterwards everything is as it was.
 
 use super::*;
-use crate::editor::documents::Purpose;
-use crate::editor::notes::Note;
+use crate::core::documents::Purpose;
+use crate::core::notes::Note;
 use egui::{Id, LayerId, Order};
 
 /// Pixels of windows, and scales of what they show.
@@ -38,7 +38,7 @@ impl Hands {
             let over = layers.into_iter().filter(|layer| {
                 matches!(layer.order, Order::Middle | Order::Foreground)
                     && layer.id != Id::new("beside what is open")
-                    && !crate::canvas::Canvas::owns(layer.id)
+                    && !crate::rooms::canvas::Canvas::owns(layer.id)
             });
             over.filter_map(|layer| Some((layer, memory.area_rect(layer.id)?))).collect()
         })
@@ -104,7 +104,7 @@ impl Hands {
     }
 
     /// A picture of the window, where they are asked for (`COIF_SHOTS`, a folder): to be looked at.
-    pub(in crate::editor) fn picture(&mut self, what: &str) {
+    pub(crate) fn picture(&mut self, what: &str) {
         let Some(folder) = std::env::var_os("COIF_SHOTS") else { return };
         let letters = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
         let name: String = what.chars().map(letters).collect();
@@ -134,7 +134,9 @@ fn open(hands: &mut Hands, what: &str) {
             hands.editor().act("file.close");
         }
         "browser" => {
-            hands.editor().apply(Event::Documents(documents::Event::Ask(Purpose::Open)));
+            hands
+                .editor()
+                .apply(Event::Documents(crate::core::documents::Event::Ask(Purpose::Open)));
         }
         action => hands.editor().act(action),
     }
@@ -372,7 +374,7 @@ fn panels_of_heads_toasts_and_colours_fit_every_window() {
             hands.close_all();
         }
         // One's own head, before and after it is read.
-        let read = documents::Event::Mesh(mesh.clone());
+        let read = crate::core::documents::Event::Mesh(mesh.clone());
         hands.editor().apply(Event::Documents(read));
         hands.steps(4);
         hands.check_what_is_open(&name("own head, unread"), &mut wrong);

@@ -1,0 +1,467 @@
+//! Pictures of a groom: one, a turntable, or several cameras, of one evaluation.
+//!
+//! The device and its shaders are made on a thread while the graph is evaluated. Guarantees: files appear only when every picture is
+//! complete. What is asked for is typed; who asks, and in which words, is not known here.
+
+pub(crate) mod files;
+mod place;
+
+use super::evaluate::{Evaluated, Opened, evaluator};
+use super::open::writes_all;
+use super::progress::Tell;
+use super::report::{Picture as About, Report, rounded};
+use super::stop::Stop;
+use crate::feeders::feeders;
+use crate::files::Together;
+use crate::scene::looks::{FileLooks, Named};
+use crate::scene::{self, Dressed, Show, Skin};
+use crate::words::grouped;
+use coif_graphs::document::Socket;
+use coif_graphs::schedule::result::document_hash;
+use coif_graphs::schedule::run::CancelToken;
+use coif_nodes::data::curves::Curves;
+use coif_nodes::data::scalp::{HeadFrame, Scalp};
+use coif_nodes::define::Value;
+use coif_nodes::eval::Quality;
+use coif_shaders::camera::Camera;
+use coif_shaders::display::Transform;
+use coif_shaders::light::Rig;
+use coif_shaders::picture::{Picture, Samples};
+use coif_shaders::surface::{RootGrid, Solid};
+use coif_shaders::view::{Paint, Shading, View};
+use coif_shaders::{Gpu, Look, Material, Precision, Renderer, chart};
+use files::Format;
+use place::Place;
+use std::cell::Cell;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// What is drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Request {
+    /// Width and height in pixels.
+    pub(crate) size: [u32; 2],
+    /// The files of each picture. Of several their names have a place for what tells them apart.
+    pub(crate) files: Vec<(PathBuf, Format)>,
+    /// Names of views of any head, of views that the graph has saved, or `close:NODE`: a picture for each.
+    pub(crate) cameras: Vec<String>,
+    /// As many pictures around the head, from one camera.
+    pub(crate) frames: u32,
+    /// Samples in a pixel.
+    pub(crate) samples: u32,
+    /// Focal length over a film 24 mm high; none: the camera's own.
+    pub(crate) focal_mm: Option<f32>,
+    /// What is shown, and its name.
+    pub(crate) show: Show,
+    pub(crate) view: String,
+    /// What lights it, and its name.
+    pub(crate) rig: Rig,
+    pub(crate) light: String,
+    /// How pictures for a display are made.
+    pub(crate) transform: Transform,
+    /// How hair is drawn.
+    pub(crate) look: Look,
+    /// What colours heads.
+    pub(crate) skin: Skin,
+    /// Whether a colour chart, a grey and a chrome ball are drawn into a corner.
+    pub(crate) chart: bool,
+    /// Whether heads are drawn, and the ground under them.
+    pub(crate) head: bool,
+    pub(crate) floor: bool,
+    /// How much hair is made, and by how many threads; 0: one for each core.
+    pub(crate) quality: Quality,
+    pub(crate) threads: usize,
+}
+
+impl Default for Request {
+    /// A still of a head with all of its hair, in the first lights, without a file.
+    fn default() -> Self {
+        Self {
+            size: [1280, 720],
+            files: vec![],
+            cameras: vec!["three-quarter".to_owned()],
+            frames: 1,
+            samples: 64,
+            focal_mm: None,
+            show: Show::Hair(View::Hair),
+            view: "hair".to_owned(),
+            rig: Rig::default(),
+            light: Rig::NAMES[0].to_owned(),
+            transform: Transform::default(),
+            look: Look::default(),
+            skin: Skin::Auto,
+            chart: false,
+            head: true,
+            floor: true,
+            quality: Quality::Final,
+            threads: 0,
+        }
+    }
+}
+
+impl Request {
+    /// The files of one picture, numbered from 0, seen by a camera.
+    fn files_of(&self, number: u32, camera: &str) -> impl Iterator<Item = (PathBuf, Format)> {
+        let named = move |(path, format): &(PathBuf, Format)| {
+            (files::called(&files::numbered(path, number + 1), camera), *format)
+        };
+        self.files.iter().map(named)
+    }
+
+    /// Tells `files` of all that will be written.
+    pub(crate) fn claim(&self, files: &mut Together) -> Result<(), Stop> {
+        let shots = self.cameras.iter();
+        let shots = shots.flat_map(|camera| (0..self.frames).map(move |n| (n, camera)));
+        let all = shots.flat_map(|(number, camera)| self.files_of(number, camera));
+        writes_all(all.map(|(path, _)| path), files)
+    }
+}
+
+/// One picture of a series.
+struct Shot<'a> {
+    number: u32,
+    camera: &'a str,
+    picture: Picture,
+    texts: &'a [(String, String)],
+}
+
+/// What becomes of each picture: the names of the files that hold it.
+type Keep<'a> = &'a mut dyn FnMut(&mut Together, Shot) -> Result<Vec<String>, Stop>;
+
+/// Draws what was asked for of a graph, and writes it.
+pub(crate) fn draw(
+    asked: &Request,
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    report: &mut Report,
+    files: &mut Together,
+) -> Result<(), Stop> {
+    let mut keep = |files: &mut Together, shot: Shot| {
+        let Shot { number, camera, picture, texts } = shot;
+        let mut written = vec![];
+        for (path, format) in asked.files_of(number, camera) {
+            tell.say(format!("writing {}", path.display()));
+            let done = files.write(&path, cancel, |out| {
+                let done = match format {
+                    Format::Png => {
+                        picture.write_png(out, asked.transform, asked.rig.exposure, texts)
+                    }
+                    Format::Exr => picture.write_exr(out, Samples::Half, texts),
+                };
+                done.map_err(|err| err.to_string())
+            });
+            done.map_err(|reason| Stop::unwritten(&path, &reason, cancel))?;
+            written.push(path.display().to_string());
+        }
+        Ok(written)
+    };
+    draw_shots(asked, opened, cancel, tell, report, files, &mut keep)
+}
+
+/// Draws a graph into memory: one picture.
+pub(crate) fn draw_one(
+    asked: &Request,
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    files: &mut Together,
+) -> Result<Picture, Stop> {
+    let (mut drawn, mut report) = (None, Report::new(String::new()));
+    let mut keep = |_: &mut Together, shot: Shot| {
+        drawn = Some(shot.picture);
+        Ok(vec![])
+    };
+    draw_shots(asked, opened, cancel, tell, &mut report, files, &mut keep)?;
+    drawn.ok_or_else(|| Stop::failed("nothing was drawn"))
+}
+
+fn draw_shots(
+    asked: &Request,
+    opened: &Opened,
+    cancel: &CancelToken,
+    tell: &dyn Tell,
+    report: &mut Report,
+    files: &mut Together,
+    keep: Keep,
+) -> Result<(), Stop> {
+    let places = asked.cameras.iter().map(|name| Place::of(name, opened));
+    let places = places.collect::<Result<Vec<Place>, Stop>>()?;
+    let followed = match asked.show {
+        Show::Hair(_) => vec![],
+        Show::Guides | Show::Clusters => {
+            feeders(&opened.document, opened.outputs.iter().map(|output| &output.socket.node))
+        }
+    };
+    let more: Vec<Socket> =
+        followed.iter().chain(places.iter().filter_map(Place::socket)).cloned().collect();
+    if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
+        return Err(Stop::refused(format!(
+            "--view {}: no node on the way to the outputs makes hair that follows curves",
+            asked.view
+        )));
+    }
+    opened.refuse_problems(&more, &mut report.warnings)?;
+    let named = match (asked.skin, !asked.head) {
+        (Skin::Tone(_), _) | (_, true) => vec![],
+        _ => opened.head_files(&more),
+    };
+    let named: Vec<Option<Named>> =
+        named.into_iter().map(|file| file.and_then(|file| Named::read(&file))).collect();
+    for path in named.iter().flatten().flat_map(|named| &named.beside) {
+        let words = format!("{} of the head", path.display());
+        files.reads(path, words).map_err(Stop::refused)?;
+    }
+    files.allowed().map_err(Stop::failed)?;
+    let decoding = std::thread::spawn(move || {
+        let decoded = |named: Option<Named>| named.map(|named| Arc::new(named.decoded()));
+        named.into_iter().map(decoded).collect::<Vec<_>>()
+    });
+    let shading = match asked.show {
+        Show::Hair(View::Hair) => Shading::Hair,
+        _ => Shading::Colour,
+    };
+    let device = Device::start(asked.size, asked.look, shading, cancel);
+    let began = Instant::now();
+    let evaluated = evaluator(asked.threads, 0, &mut report.warnings).and_then(|evaluator| {
+        opened.evaluate_on(&evaluator, asked.quality, &more, cancel, tell, report)
+    });
+    let evaluation_ms = since(began);
+    let mut evaluated = match evaluated {
+        // What the device's failure ended was not interrupted by anybody.
+        Err(stop) if stop.is_interruption() => return Err(device.failure().unwrap_or(stop)),
+        evaluated => evaluated?,
+    };
+    let (mut renderer, device_ms) = device.wait()?;
+    let began = Instant::now();
+    let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+    let closest = evaluated.more.split_off(followed.len());
+    let looks =
+        decoding.join().map_err(|_| Stop::failed("a picture of the head cannot be read"))?;
+    let scene = Scene::of(asked, evaluated, &looks, &mut report.warnings)?;
+    let mut closest = closest.iter();
+    let stills = places
+        .iter()
+        .map(|place| place.camera(asked, &scene, place.socket().and_then(|_| closest.next())));
+    let stills = stills.collect::<Result<Vec<Camera>, Stop>>()?;
+    let description = describe(asked, &scene);
+    renderer.set_look(&asked.look);
+    renderer.set_rig(&asked.rig);
+    renderer.set_solids(scene.solids);
+    renderer.set_roots(scene.roots);
+    renderer.set_hair(&scene.drawn, &scene.paint);
+
+    let adapter = adapter(&renderer);
+    let mut texts = vec![
+        ("Software".to_owned(), format!("coif {}", env!("CARGO_PKG_VERSION"))),
+        ("Title".to_owned(), opened.document.title.clone()),
+        ("Description".to_owned(), description.clone()),
+        ("graph".to_owned(), document_hash(&opened.document)),
+        ("hair".to_owned(), hashes(report)),
+        ("view".to_owned(), asked.view.clone()),
+        ("camera".to_owned(), String::new()),
+        ("light".to_owned(), asked.light.clone()),
+        ("samples".to_owned(), asked.samples.to_string()),
+        ("adapter".to_owned(), adapter.clone()),
+    ];
+    texts.retain(|(name, text)| !text.is_empty() || name == "camera");
+    let first_sample_ms = Cell::new(None);
+    let mut pictures = vec![];
+    tell.counts("samples");
+    let shots = asked.frames * places.len() as u32;
+    let total = (shots * asked.samples) as usize;
+    for number in 0..shots {
+        // A turntable has one place, several places have one frame each.
+        let turn = 360.0 * (number % asked.frames) as f32 / asked.frames as f32;
+        let (place, still) = {
+            let at = (number / asked.frames) as usize;
+            (&places[at], &stills[at])
+        };
+        let camera = still.turned(frame.origin, frame.up, turn);
+        renderer.set_camera(&camera);
+        for (_, text) in texts.iter_mut().filter(|(name, _)| name == "camera") {
+            *text = place.in_words(asked);
+        }
+        let seen = |samples: u32| {
+            if samples > 0 && first_sample_ms.get().is_none() {
+                first_sample_ms.set(Some(since(began)));
+            }
+        };
+        let whole = renderer.render(asked.samples, &|progress| {
+            seen(progress.samples);
+            tell.count((number * asked.samples + progress.samples) as usize, total);
+            cancel.is_cancelled()
+        });
+        if !whole {
+            let lost = renderer.lost().map(|lost| Stop::failed(lost.to_string()));
+            return Err(lost.unwrap_or_else(Stop::interrupted));
+        }
+        seen(asked.samples);
+        let mut picture = renderer.picture();
+        if asked.chart {
+            chart::draw(&mut picture, &asked.rig, &camera);
+        }
+        let shot = Shot { number, camera: &place.name, picture, texts: &texts };
+        pictures.extend(keep(files, shot)?);
+    }
+    report.picture = Some(About {
+        files: pictures,
+        width: asked.size[0],
+        height: asked.size[1],
+        description,
+        view: asked.view.clone(),
+        camera: asked.cameras.join(", "),
+        light: asked.light.clone(),
+        samples: asked.samples,
+        transform: asked.transform.name(),
+        adapter,
+        evaluation_ms: rounded(evaluation_ms),
+        device_ms: rounded(device_ms),
+        first_sample_ms: rounded(first_sample_ms.get().unwrap_or_default()),
+        draw_ms: rounded(since(began)),
+    });
+    Ok(())
+}
+
+/// What stands before the camera.
+struct Scene {
+    frame: HeadFrame,
+    scalp: Option<Arc<Scalp>>,
+    /// All hair of the outputs, and how many curves it follows where these are shown.
+    hair: Curves,
+    followed: usize,
+    /// What is drawn of it, or of what it follows, and its colours.
+    drawn: Curves,
+    paint: Paint,
+    solids: Vec<Solid>,
+    roots: Option<RootGrid>,
+}
+
+impl Scene {
+    fn of(
+        asked: &Request,
+        evaluated: Evaluated,
+        looks: &[Option<Arc<FileLooks>>],
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, Stop> {
+        let Evaluated { groups, scalps, more, sections: _ } = evaluated;
+        // Guides that are handed out besides hair are no hair.
+        let only_guides = groups.iter().all(|group| group.guides);
+        let hair = together(
+            groups.into_iter().filter(|group| only_guides || !group.guides).map(|g| g.curves),
+        );
+        let followed = together(more.into_iter().filter_map(|value| match value {
+            Value::Curves(curves) => Some(curves),
+            _ => None,
+        }));
+        let scalp = scalps.first().cloned();
+        let (mut solids, remarks) = match !asked.head {
+            true => (vec![], vec![]),
+            false => scene::heads(&scalps, asked.skin, looks),
+        };
+        warnings.extend(remarks);
+        if !asked.floor {
+            solids.retain(|solid| solid.material != Material::Ground);
+        }
+        let Dressed { drawn, paint, tubes, roots } =
+            Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
+                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", asked.view)))?;
+        solids.extend(tubes);
+        let frame = scalp.as_ref().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
+        let followed = followed.curve_count();
+        Ok(Self { frame, scalp, hair, followed, drawn, paint, solids, roots })
+    }
+}
+
+fn together(all: impl Iterator<Item = Curves>) -> Curves {
+    Curves::new(all.flat_map(|curves| curves.tufts().to_vec()).collect())
+}
+
+/// A renderer in the making.
+struct Device {
+    thread: JoinHandle<Result<(Renderer, f64), Stop>>,
+}
+
+impl Device {
+    /// Begins to make it, with the shaders that a look needs. When that fails, whatever `cancel` stops is stopped.
+    fn start(size: [u32; 2], look: Look, shading: Shading, cancel: &CancelToken) -> Self {
+        let cancel = cancel.clone();
+        let thread = std::thread::spawn(move || {
+            let began = Instant::now();
+            let made = Gpu::new(Precision::Best)
+                .map_err(|err| Stop::failed(err.to_string()))
+                .and_then(|gpu| {
+                    Renderer::new(Arc::new(gpu), size[0], size[1])
+                        .map_err(|err| Stop::refused(err.to_string()))
+                });
+            if made.is_err() {
+                cancel.cancel();
+            }
+            made.map(|mut renderer| {
+                renderer.warm_up(&look, shading);
+                (renderer, since(began))
+            })
+        });
+        Self { thread }
+    }
+
+    /// The renderer and the milliseconds that making it took.
+    fn wait(self) -> Result<(Renderer, f64), Stop> {
+        let gone = |_| Stop::failed("the graphics driver ended unexpectedly");
+        self.thread.join().map_err(gone)?
+    }
+
+    /// Why it could not be made, if it could not.
+    fn failure(self) -> Option<Stop> {
+        self.wait().err()
+    }
+}
+
+/// Name and driver of what draws.
+fn adapter(renderer: &Renderer) -> String {
+    let info = &renderer.gpu().info;
+    if info.driver_info.is_empty() {
+        return info.name.clone();
+    }
+    format!("{}, {}", info.name, info.driver_info)
+}
+
+/// What the picture is, in words.
+fn describe(asked: &Request, scene: &Scene) -> String {
+    let (strands, points) = (scene.hair.curve_count(), scene.hair.point_count());
+    let quality = match asked.quality {
+        Quality::Final => "final",
+        Quality::Preview => "preview (the first tenth)",
+    };
+    let mut text = format!("{quality}, {} strands, {} points", grouped(strands), grouped(points));
+    match asked.show {
+        Show::Hair(_) => {}
+        Show::Guides | Show::Clusters => {
+            text += &format!(", shown as {} {}", grouped(scene.followed), asked.view);
+        }
+    }
+    if asked.look.share < 1.0 {
+        text += &format!(", {} % of them drawn", asked.look.share * 100.0);
+    }
+    if let Some(legend) = &scene.paint.legend {
+        text += &format!(", {} {} to {}", legend.name, legend.lowest, legend.highest);
+        if !legend.unit.is_empty() {
+            text += &format!(" {}", legend.unit);
+        }
+    }
+    // A picture is made only when none failed.
+    text + ", no failed nodes"
+}
+
+/// Content hash of each output with its group's name.
+fn hashes(report: &Report) -> String {
+    let all: Vec<String> =
+        report.outputs.iter().map(|output| format!("{} {}", output.group, output.hash)).collect();
+    all.join(", ")
+}
+
+fn since(began: Instant) -> f64 {
+    began.elapsed().as_secs_f64() * 1e3
+}

@@ -1,0 +1,487 @@
+//! What hands do on the canvas, as edits of the document. Pure; each is one undo step.
+
+use super::wires::{Wire, last_first};
+use crate::core::faces::arrange::{self, point};
+use crate::core::faces::{Faces, Plug};
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Document, Frame, NodeId, Point, Setting, Socket, graph, part, wiring};
+use coif_nodes::define::{Arity, NodeDef, Type, Value};
+use egui::{Pos2, Rect, Vec2, vec2};
+use std::collections::BTreeSet;
+
+/// What a node that is added is wired to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Link {
+    /// It takes from this output.
+    From(Socket),
+    /// It feeds this input, before the wire of that number.
+    To(Socket, Option<usize>),
+}
+
+/// Wires an output to an end, with the wire that was lifted off another, if any. None when nothing
+/// would change.
+pub(super) fn connect(
+    document: &Document,
+    from: &Socket,
+    plug: &Plug,
+    lifted: Option<&Wire>,
+) -> Option<Edit> {
+    let to = plug.socket.clone();
+    let Some(lifted) = lifted else {
+        let here = document.wires(&to.node, &to.name);
+        // An end that has this very wire.
+        if plug.wire.is_some_and(|at| here.get(at) == Some(from)) {
+            return None;
+        }
+        return Some(Edit::Connect { from: from.clone(), to, at: plug.wire });
+    };
+    if lifted.to == to {
+        let last = document.wires(&to.node, &to.name).len().checked_sub(1)?;
+        let at = plug.wire.unwrap_or(last);
+        return (at != lifted.at).then_some(Edit::Reorder { to, from: lifted.at, at });
+    }
+    let off = Edit::Disconnect { to: lifted.to.clone(), at: lifted.at };
+    let on = Edit::Connect { from: from.clone(), to, at: plug.wire };
+    Some(Edit::Several(vec![off, on]))
+}
+
+/// Lets every one of the wires come from another output.
+///
+/// # Errors
+/// Why one of them cannot, in words.
+pub(super) fn rewire(document: &Document, wires: &[Wire], from: &Socket) -> Result<Edit, String> {
+    let mut edits = vec![];
+    for wire in wires {
+        if let Some(reason) =
+            wiring::LooseWire::from_output(document, from.clone()).reason(&wire.to)
+        {
+            return Err(reason);
+        }
+        let mut all = document.wires(&wire.to.node, &wire.to.name).to_vec();
+        if let Some(Edit::SetWires { to, from: earlier }) = edits.last()
+            && *to == wire.to
+        {
+            all.clone_from(earlier);
+            edits.pop();
+        }
+        if let Some(slot) = all.get_mut(wire.at) {
+            *slot = from.clone();
+        }
+        edits.push(Edit::SetWires { to: wire.to.clone(), from: all });
+    }
+    Ok(Edit::Several(edits))
+}
+
+/// Takes wires off.
+pub(super) fn cut(wires: impl IntoIterator<Item = Wire>) -> Edit {
+    let off = last_first(wires).into_iter();
+    Edit::Several(off.map(|wire| Edit::Disconnect { to: wire.to, at: wire.at }).collect())
+}
+
+/// Adds a node of a kind, wired as asked where that fits, between hair that is shown and the outputs that write it. A head that
+/// the kind can take is wired too, when it is clear which. Gives the node's id.
+pub(super) fn add(
+    document: &Document,
+    def: &NodeDef,
+    at: Pos2,
+    link: Option<&Link>,
+    group: Option<&NodeId>,
+) -> (Edit, NodeId) {
+    let (added, id) = beside(document, def, at, link, group);
+    let along = match link {
+        Some(Link::From(from)) => outputs_along(document, from, &added, def, &id),
+        _ => vec![],
+    };
+    match added {
+        Edit::Several(edits) => (Edit::Several(edits.into_iter().chain(along).collect()), id),
+        other => (other, id),
+    }
+}
+
+/// The same without going between.
+fn beside(
+    document: &Document,
+    def: &NodeDef,
+    at: Pos2,
+    link: Option<&Link>,
+    group: Option<&NodeId>,
+) -> (Edit, NodeId) {
+    let id = document.free_id_in(group, def.id);
+    let node = document.fresh_node(def.id, &id);
+    let mut edits = vec![Edit::AddNode { id: id.clone(), node: node.into(), at: Some(point(at)) }];
+    let known = coif_nodes::by_id(def.id);
+    let mut wired: Option<&str> = None;
+    match (link, known) {
+        (Some(Link::From(from)), Some(def)) => {
+            let ty = wiring::output_type(document, from);
+            if let Some(input) = ty.and_then(|ty| wiring::taking(def, ty)) {
+                let to = Socket::new(id.clone(), input.name);
+                wired = Some(input.name);
+                edits.push(Edit::Connect { from: from.clone(), to, at: None });
+            }
+        }
+        (Some(Link::To(to, at)), Some(def)) => {
+            let input = wiring::input_def(document, to);
+            if let Some(output) = input.and_then(|input| wiring::giving(def, input.ty)) {
+                let from = Socket::new(id.clone(), output.name);
+                edits.push(Edit::Connect { from, to: to.clone(), at: *at });
+            }
+        }
+        _ => {}
+    }
+    let near = link.map(|link| match link {
+        Link::From(socket) | Link::To(socket, _) => &socket.node,
+    });
+    let heads = def.inputs.iter().filter(|input| {
+        let head = input.arity == Arity::One || input.name == "scalp";
+        input.ty == Type::Scalp && head && wired != Some(input.name)
+    });
+    for input in heads {
+        if let Some(from) = the_head(document, near, group) {
+            let to = Socket::new(id.clone(), input.name);
+            edits.push(Edit::Connect { from, to, at: None });
+        }
+    }
+    if let Some(Link::From(from)) = link {
+        edits.extend(display_along(document, &from.node, def, &id));
+    }
+    (Edit::Several(edits), id)
+}
+
+/// A node that comes behind the displayed one is displayed in its place, where it gives something to look at.
+fn display_along(document: &Document, from: &NodeId, def: &NodeDef, id: &NodeId) -> Option<Edit> {
+    let gives = |ty: Type| def.outputs.iter().any(|output| output.ty == ty);
+    let along =
+        document.display.as_ref() == Some(from) && (gives(Type::Curves) || gives(Type::Scalp));
+    along.then(|| Edit::SetDisplay(Some(id.clone())))
+}
+
+/// What is shown is what is written: where hair goes to outputs of the groom alone and is seen, a node that comes behind it goes
+/// between.
+fn outputs_along(
+    document: &Document,
+    from: &Socket,
+    added: &Edit,
+    def: &NodeDef,
+    id: &NodeId,
+) -> Vec<Edit> {
+    let takes = |edit: &Edit| matches!(edit, Edit::Connect { from: it, to, .. } if it == from && to.node == *id);
+    let taken = matches!(added, Edit::Several(edits) if edits.iter().any(takes));
+    let seen = document.display.as_ref().is_none_or(|shown| *shown == from.node);
+    let Some(gives) = def.outputs.iter().find(|output| output.ty == Type::Curves) else {
+        return vec![];
+    };
+    let ends = |to: &Socket| {
+        document.node(to.node.as_str()).is_some_and(|node| node.kind == "groom_output")
+    };
+    let takers: Vec<(&Socket, &Vec<Socket>)> =
+        document.links.iter().filter(|(_, all)| all.contains(from)).collect();
+    if !taken || !seen || !takers.iter().all(|(to, _)| ends(to)) {
+        return vec![];
+    }
+    let swap = |it: &Socket| match it == from {
+        true => Socket::new(id.clone(), gives.name),
+        false => it.clone(),
+    };
+    let along = |(to, all): &(&Socket, &Vec<Socket>)| Edit::SetWires {
+        to: (*to).clone(),
+        from: all.iter().map(swap).collect(),
+    };
+    takers.iter().map(along).collect()
+}
+
+/// The same edit, with an input of the node set to a choice.
+pub(super) fn and_set(edit: Edit, id: &NodeId, set: Option<(&str, &str)>) -> Edit {
+    let Some((input, word)) = set else { return edit };
+    let setting = Setting::Known(Value::Text(word.into()));
+    let set = Edit::SetInput { node: id.clone(), input: input.to_owned(), setting };
+    match edit {
+        Edit::Several(edits) => Edit::Several(edits.into_iter().chain([set]).collect()),
+        other => Edit::Several(vec![other, set]),
+    }
+}
+
+/// Adds a node of a kind between the ends of a wire; gives its id.
+///
+/// # Errors
+/// Why it does not fit there.
+pub(super) fn insert_new(
+    document: &Document,
+    def: &NodeDef,
+    at: Pos2,
+    wire: &Wire,
+) -> Result<(Edit, NodeId), String> {
+    let from = wire.from(document).ok_or("the wire is gone")?;
+    let (added, id) = {
+        let group = from.node.group();
+        beside(document, def, at, Some(&Link::From(from.clone())), group.as_ref())
+    };
+    let mut with = document.clone();
+    added.apply(&mut with).map_err(|err| err.to_string())?;
+    let inserted = wiring::insert_on_wire(&with, &id, &wire.to, wire.at)?;
+    Ok((Edit::Several(vec![added, inserted]), id))
+}
+
+/// The scalp that a node beside `near` stands on: the nearest upstream of it, itself included. Beside none, or one that
+/// stands on nothing: the last of the only head there is, where partings and the like made others of it.
+fn the_head(document: &Document, near: Option<&NodeId>, group: Option<&NodeId>) -> Option<Socket> {
+    let scalp = |id: &NodeId| {
+        let def = document.def(id)?;
+        let output = def.outputs.iter().find(|output| output.ty == Type::Scalp)?;
+        Some(Socket::new(id.clone(), output.name))
+    };
+    let mut ring: Vec<NodeId> = near.cloned().into_iter().collect();
+    let mut seen: BTreeSet<NodeId> = ring.iter().cloned().collect();
+    while !ring.is_empty() {
+        // Of two as near, the one that stands on the other.
+        let found: Vec<Socket> = ring.iter().filter_map(scalp).collect();
+        if let Some(last) = last_of(document, found) {
+            return Some(last);
+        }
+        let feeders = ring.iter().flat_map(|id| graph::inputs_of(document, id));
+        let next = feeders.flat_map(|(_, from)| from.iter().map(|from| from.node.clone()));
+        ring = next
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .filter(|id| seen.insert(id.clone()))
+            .collect();
+    }
+    let beside = document.nodes.keys().filter(|id| id.group().as_ref() == group);
+    let all: Vec<Socket> = beside.filter_map(scalp).collect();
+    let is_head = |socket: &&Socket| !graph::inputs_of(document, &socket.node).any(|_| true);
+    if all.iter().filter(is_head).count() > 1 {
+        return None;
+    }
+    last_of(document, all)
+}
+
+/// The one that stands on the most of the others.
+fn last_of(document: &Document, scalps: Vec<Socket>) -> Option<Socket> {
+    let depth = |socket: &Socket| {
+        let above = graph::upstream(document, [&socket.node]);
+        scalps.iter().filter(|other| above.contains(&other.node)).count()
+    };
+    let deepest = scalps.iter().rev().max_by_key(|socket| depth(socket));
+    deepest.cloned()
+}
+
+/// Copies nodes beside themselves; gives the copies.
+///
+/// # Errors
+/// When they cannot be copied.
+pub(super) fn duplicate(
+    document: &Document,
+    faces: &Faces,
+    nodes: &BTreeSet<NodeId>,
+    group: Option<&NodeId>,
+) -> Result<(Edit, Vec<NodeId>), String> {
+    let corner = faces.bounds(nodes).map_or(Pos2::ZERO, |all| all.min);
+    paste(document, &placed_copy(document, faces, nodes), corner + vec2(32.0, 32.0), group)
+}
+
+/// Nodes as text, with the places at which they are seen.
+pub(super) fn placed_copy(document: &Document, faces: &Faces, nodes: &BTreeSet<NodeId>) -> String {
+    let mut placed = document.clone();
+    for id in nodes {
+        if let Some(at) = faces.corners.get(id) {
+            placed.layout.insert(id.clone(), point(*at));
+        }
+    }
+    part::copy(&placed, nodes)
+}
+
+/// Adds the nodes of a text, their upper left at a place; gives them.
+///
+/// # Errors
+/// What is wrong with the text.
+pub(super) fn paste(
+    document: &Document,
+    text: &str,
+    at: Pos2,
+    group: Option<&NodeId>,
+) -> Result<(Edit, Vec<NodeId>), String> {
+    part::paste(document, text, Some(point(at)), group)
+}
+
+/// Room between a frame's edge and the nodes in it, and for its title.
+const FRAME_ROOM: Vec2 = vec2(16.0, 16.0);
+/// Height of a frame's title.
+pub(super) const FRAME_TITLE: f32 = 24.0;
+
+/// The box that a frame round others has.
+pub(super) fn frame_box(round: Rect) -> Rect {
+    let mut rect = round.expand2(FRAME_ROOM);
+    rect.min.y -= FRAME_TITLE;
+    rect
+}
+
+/// Puts a frame round nodes; gives its name.
+pub(super) fn frame(document: &Document, round: Rect, group: Option<&NodeId>) -> (Edit, String) {
+    let stem = group.map_or("frame".to_owned(), |group| format!("{group}/frame"));
+    let name = document.free_frame(&stem);
+    let rect = frame_box(round);
+    let frame = Frame {
+        at: point(rect.min),
+        size: Point(rect.width().round(), rect.height().round()),
+        text: String::new(),
+        colour: (document.frames.len() % super::look::FRAMES.len()) as u8,
+    };
+    (Edit::SetFrame { name: name.clone(), frame: Some(frame) }, name)
+}
+
+/// The box of a frame.
+pub(super) fn frame_rect(frame: &Frame) -> Rect {
+    let far = arrange::pos(frame.at) + vec2(frame.size.0, frame.size.1);
+    Rect::from_min_max(arrange::sound(arrange::pos(frame.at)), arrange::sound(far))
+}
+
+/// The nodes that lie in a frame whole.
+pub(super) fn framed(frame: &Frame, faces: &Faces) -> BTreeSet<NodeId> {
+    let rect = frame_rect(frame);
+    let inside = |id: &&NodeId| faces.rect(id).is_some_and(|node| rect.contains_rect(node));
+    faces.all.keys().filter(inside).cloned().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rooms::canvas::testing::{document, faces, id, socket};
+    use egui::pos2;
+
+    fn apply(document: &Document, edit: &Edit) -> Document {
+        let mut after = document.clone();
+        edit.apply(&mut after).unwrap_or_else(|err| panic!("{edit:?}: {err}"));
+        after
+    }
+    fn plug(document: &Document, input: &str, wire: Option<usize>) -> Plug {
+        let input = socket(input);
+        let faces = faces(document);
+        let mut plugs = faces.all[&input.node].inputs.clone();
+        plugs.retain(|plug| plug.socket == input && plug.wire == wire);
+        plugs.remove(0)
+    }
+
+    #[test]
+    fn a_lifted_wire_goes_elsewhere_in_one_step() {
+        let document = document("cornrows");
+        let lifted = Wire { to: socket("fill.curves"), at: 0 };
+        let from = socket("braid.curves");
+        let to = plug(&document, "colour.curves", Some(0));
+        let after = apply(&document, &connect(&document, &from, &to, Some(&lifted)).unwrap());
+        assert!(!after.links.contains_key(&lifted.to));
+        assert_eq!(after.links[&to.socket], std::slice::from_ref(&from));
+        let back = plug(&document, "fill.curves", Some(0));
+        assert_eq!(connect(&document, &from, &back, Some(&lifted)), None);
+        assert_eq!(connect(&document, &from, &back, None), None);
+    }
+
+    #[test]
+    fn wires_of_one_input_change_their_order() {
+        let mut document = document("cornrows");
+        let (edit, all) =
+            add(&document, coif_nodes::by_id("merge").unwrap(), Pos2::ZERO, None, None);
+        document = apply(&document, &edit);
+        let to = Socket::new(all, "curves");
+        let from = ["rows.curves", "braid.curves", "fill.curves"].map(socket);
+        document.links.insert(to.clone(), from.to_vec());
+        let lifted = Wire { to: to.clone(), at: 2 };
+        let first = plug(&document, &to.to_string(), Some(0));
+        let after = apply(&document, &connect(&document, &from[2], &first, Some(&lifted)).unwrap());
+        assert_eq!(after.links[&to], [from[2].clone(), from[0].clone(), from[1].clone()]);
+        // A new wire goes before the one it is dropped on, or behind all.
+        let colour = socket("colour.curves");
+        let after = apply(&document, &connect(&document, &colour, &first, None).unwrap());
+        assert_eq!(after.links[&to][0], colour);
+        let next = plug(&document, &to.to_string(), None);
+        let after = apply(&document, &connect(&document, &colour, &next, None).unwrap());
+        assert_eq!(after.links[&to][3], colour);
+        let moved = rewire(
+            &document,
+            &[Wire { to: to.clone(), at: 0 }, Wire { to: to.clone(), at: 1 }],
+            &colour,
+        );
+        let after = apply(&document, &moved.unwrap());
+        assert_eq!(after.links[&to], [colour.clone(), colour, from[2].clone()]);
+    }
+
+    #[test]
+    fn wires_that_cannot_move_say_why() {
+        let document = document("cornrows");
+        let wires = [Wire { to: socket("braid.source"), at: 0 }];
+        let why = rewire(&document, &wires, &socket("fill.curves")).unwrap_err();
+        assert!(why.contains("circle"), "{why}");
+        let why = rewire(&document, &wires, &socket("head.scalp")).unwrap_err();
+        assert!(why.contains("scalp"), "{why}");
+    }
+
+    #[test]
+    fn an_added_node_is_wired_where_it_fits_and_to_the_only_head() {
+        let document = document("cornrows");
+        let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
+        let from = Link::From(socket("rows.curves"));
+        let (edit, new) =
+            add(&document, def("scalp_projection"), pos2(9.0, 7.4), Some(&from), None);
+        let after = apply(&document, &edit);
+        assert_eq!(after.layout[&new], Point(9.0, 7.0));
+        assert_eq!(after.wires(&new, "curves"), [socket("rows.curves")]);
+        assert_eq!(after.wires(&new, "scalp"), [socket("head.scalp")]);
+        let to = Link::To(socket("fill.curves"), None);
+        let (edit, new) = add(&document, def("resample"), Pos2::ZERO, Some(&to), None);
+        assert_eq!(apply(&document, &edit).links[&socket("fill.curves")][0].node, new);
+        let (edit, new) = add(&document, def("head"), Pos2::ZERO, Some(&from), None);
+        let after = apply(&document, &edit);
+        assert!(graph::inputs_of(&after, &new).next().is_none());
+    }
+
+    #[test]
+    fn of_several_scalps_the_nearest_upstream_is_wired() {
+        let text = r#"(format: 1, title: "x", nodes: {
+            "bust": (kind: "head"), "cut": (kind: "partings"), "again": (kind: "partings"),
+            "guides": (kind: "scatter_guides"), "long": (kind: "resample"), "bare": (kind: "resample"),
+        }, links: {
+            "cut.scalp": "bust.scalp", "again.scalp": "cut.scalp",
+            "guides.scalp": "cut.scalp", "long.curves": "guides.curves",
+        })"#;
+        let mut document = coif_graphs::file::read(text).unwrap().document;
+        let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
+        let wired = |document: &Document, link: Option<Link>| {
+            let (edit, new) = add(document, def("interpolate"), Pos2::ZERO, link.as_ref(), None);
+            apply(document, &edit).wires(&new, "scalp").to_vec()
+        };
+        let from = |text: &str| Some(Link::From(socket(text)));
+        // Two steps up, and not the head behind it nor the one that stands on it.
+        assert_eq!(wired(&document, from("long.curves")), [socket("cut.scalp")]);
+        // Beside nothing, and beside what stands on nothing: the last of the only head.
+        assert_eq!(wired(&document, None), [socket("again.scalp")]);
+        assert_eq!(wired(&document, from("bare.curves")), [socket("again.scalp")]);
+        // Of two heads nobody knows which.
+        let head = document.fresh_node("head", &id("other"));
+        document.nodes.insert(id("other"), head.into());
+        assert_eq!(wired(&document, None), []);
+        assert_eq!(wired(&document, from("long.curves")), [socket("cut.scalp")]);
+    }
+
+    #[test]
+    fn copies_keep_their_wires_and_lie_beside() {
+        let document = document("cornrows");
+        let faces = faces(&document);
+        let nodes: BTreeSet<NodeId> = ["braid", "fill"].map(id).into();
+        let (edit, made) = duplicate(&document, &faces, &nodes, None).unwrap();
+        let after = apply(&document, &edit);
+        assert_eq!((made.len(), after.nodes.len()), (2, document.nodes.len() + 2));
+        let wired = after.wires(&made[1], "curves");
+        assert_eq!(wired[0].node, made[0]);
+        assert_eq!(after.layout[&made[0]], Point(440.0 + 32.0, 32.0));
+        assert!(paste(&document, "no nodes at all", Pos2::ZERO, None).is_err());
+    }
+
+    #[test]
+    fn a_frame_holds_the_nodes_it_was_drawn_round() {
+        let document = document("cornrows");
+        let faces = faces(&document);
+        let nodes: BTreeSet<NodeId> = ["rows", "braid"].map(id).into();
+        let (edit, name) = frame(&document, faces.bounds(&nodes).unwrap(), None);
+        let after = apply(&document, &edit);
+        assert_eq!(framed(&after.frames[&name], &faces), nodes);
+    }
+}

@@ -1,0 +1,419 @@
+//! The search that opens on the canvas: to add a node, to change one's kind, or to find the socket
+//! that a wire goes to. Keyboard first: type, arrows, Enter, Escape.
+
+use super::edits::Link;
+use super::search::{self, Entry, Hints, Why};
+use super::text::{self, line};
+use super::wires::Wire;
+use crate::core::faces::{Faces, words};
+use crate::widgets::panel;
+use crate::widgets::theme;
+use coif_graphs::document::{Document, NodeId, Socket, wiring};
+use coif_nodes::define::{NodeDef, Type};
+use egui::{Align2, Area, Frame, Id, Key, Modifiers, Order, Pos2, RichText, Sense, TextEdit, vec2};
+use std::collections::BTreeMap;
+
+/// What is looked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Task {
+    /// A kind of node to add.
+    Add {
+        /// On the canvas.
+        at: Pos2,
+        /// What it is wired to.
+        link: Option<Link>,
+        /// Whether a wire was dropped here: its end comes to lie at `at`.
+        dropped: bool,
+    },
+    /// A kind of node to put on a wire, at a place of the canvas.
+    Insert(Wire, Pos2),
+    /// Another kind for a node.
+    Swap(NodeId),
+    /// An input for a wire from a node.
+    Connect(NodeId),
+}
+
+/// What was picked.
+#[derive(Clone)]
+pub(super) enum Pick {
+    /// A kind of node, whether it is wired as the task says, and an input that is set: what was typed is a choice of it.
+    Kind(&'static NodeDef, bool, Option<(&'static str, &'static str)>),
+    /// A wire from an output to an input, by its node and its number among the node's plugs.
+    Plug(Socket, NodeId, usize),
+}
+
+/// An open search.
+#[derive(Debug)]
+pub(super) struct Finder {
+    /// What for.
+    pub task: Task,
+    /// Where it opens, on the screen.
+    at: Pos2,
+    typed: String,
+    chosen: usize,
+    fresh: bool,
+}
+
+/// One line of the list.
+struct Line {
+    label: String,
+    beside: String,
+    tip: String,
+    pick: Pick,
+}
+
+/// The most lines that are listed.
+const MOST: usize = 40;
+const WIDTH: f32 = 300.0;
+
+/// What an open search became this frame.
+pub(super) enum Outcome {
+    /// It stays open.
+    Open,
+    /// It is closed; with what was picked, if anything was.
+    Done(Option<Pick>),
+}
+
+impl Finder {
+    /// Opens a search at a place of the screen.
+    pub(super) fn new(task: Task, at: Pos2) -> Self {
+        Self { task, at, typed: String::new(), chosen: 0, fresh: true }
+    }
+
+    /// Shows it.
+    pub(super) fn show(
+        &mut self,
+        ui: &egui::Ui,
+        document: &Document,
+        faces: &Faces,
+        recent: &[String],
+    ) -> Outcome {
+        let ctx = ui.ctx();
+        let key = |m: Modifiers, key: Key| ctx.input_mut(|i| i.consume_key(m, key));
+        let (up, down) = (key(Modifiers::NONE, Key::ArrowUp), key(Modifiers::NONE, Key::ArrowDown));
+        let escape = key(Modifiers::NONE, Key::Escape);
+        let alone = key(Modifiers::SHIFT, Key::Enter);
+        let enter = key(Modifiers::NONE, Key::Enter) || alone;
+        let lines = self.lines(document, faces, recent);
+        let last = lines.len().saturating_sub(1);
+        self.chosen = self.chosen.min(last);
+        if down {
+            self.chosen = if self.chosen == last { 0 } else { self.chosen + 1 };
+        }
+        if up {
+            self.chosen = self.chosen.checked_sub(1).unwrap_or(last);
+        }
+        let mut picked = None;
+        // In a small window the answers go before what the keys do.
+        let room = panel::room(ctx);
+        let hints = room.height() > 200.0;
+        let area = Area::new(panel::id("canvas search", ctx))
+            .order(Order::Foreground)
+            .fixed_pos(self.at)
+            .pivot(Align2::LEFT_TOP)
+            .constrain_to(room)
+            .show(ctx, |ui| {
+                Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.set_width(WIDTH.min(room.width() - 24.0).max(24.0));
+                    self.field(ui);
+                    let most =
+                        (room.height() - if hints { 110.0 } else { 52.0 }).clamp(16.0, 300.0);
+                    self.list(ui, &lines, (up || down, most), &mut picked);
+                    if hints {
+                        ui.separator();
+                        let hint = RichText::new(self.hint(document)).small();
+                        ui.add(egui::Label::new(hint.color(theme::QUIET)).truncate());
+                    }
+                });
+            });
+        if enter {
+            picked = lines.get(self.chosen).map(|line| line.pick.clone());
+        }
+        if let (true, Some(Pick::Kind(def, _, set))) = (alone, &picked) {
+            return Outcome::Done(Some(Pick::Kind(def, false, *set)));
+        }
+        let outside = !self.fresh
+            && ctx.input(|i| i.pointer.any_pressed())
+            && ctx.pointer_latest_pos().is_some_and(|p| !area.response.rect.contains(p));
+        self.fresh = false;
+        if picked.is_some() || escape || outside {
+            return Outcome::Done(picked);
+        }
+        Outcome::Open
+    }
+
+    fn field(&mut self, ui: &mut egui::Ui) {
+        let (name, hint) = match &self.task {
+            Task::Add { .. } => ("Search nodes", "Add node"),
+            Task::Insert(..) => ("Search nodes", "Insert node"),
+            Task::Swap(_) => ("Search kinds", "Change to"),
+            Task::Connect(_) => ("Search inputs", "Wire to"),
+        };
+        let field = TextEdit::singleline(&mut self.typed)
+            .id(Id::new("canvas search field"))
+            .hint_text(hint)
+            .desired_width(f32::INFINITY);
+        // Before it is shown, so that it takes what was typed since it was asked for.
+        ui.memory_mut(|memory| memory.request_focus(Id::new("canvas search field")));
+        let response = ui.add(field);
+        ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+        if response.changed() {
+            self.chosen = 0;
+        }
+    }
+
+    fn list(
+        &self,
+        ui: &mut egui::Ui,
+        lines: &[Line],
+        (moved, most): (bool, f32),
+        picked: &mut Option<Pick>,
+    ) {
+        if lines.is_empty() {
+            ui.add_space(4.0);
+            ui.label(RichText::new("Nothing fits what was typed.").color(theme::QUIET));
+        }
+        let list = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(16.0);
+        let list = list.auto_shrink([false, true]);
+        list.show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            for (i, line) in lines.iter().enumerate() {
+                let row = row(ui, line, i == self.chosen).on_hover_text(&line.tip);
+                if i == self.chosen && moved {
+                    row.scroll_to_me(None);
+                }
+                if row.clicked() {
+                    *picked = Some(line.pick.clone());
+                }
+            }
+        });
+    }
+
+    /// What the keys do, in one line.
+    fn hint(&self, document: &Document) -> String {
+        match &self.task {
+            Task::Add { link: Some(Link::From(from)), .. } => {
+                let name = document.name_of(&from.node);
+                format!("Enter adds and wires to {name}, Shift+Enter adds alone")
+            }
+            Task::Add { link: Some(Link::To(to, _)), .. } => {
+                let name = document.name_of(&to.node);
+                format!("Enter adds and feeds {name}, Shift+Enter adds alone")
+            }
+            Task::Add { .. } => "Enter adds, Escape closes".to_owned(),
+            Task::Insert(..) => "Enter inserts on the wire, Escape closes".to_owned(),
+            Task::Swap(_) => "Enter changes the kind; what fits is kept".to_owned(),
+            Task::Connect(from) => format!("Enter wires {} to it", document.name_of(from)),
+        }
+    }
+
+    fn lines(&self, document: &Document, faces: &Faces, recent: &[String]) -> Vec<Line> {
+        match &self.task {
+            Task::Connect(from) => {
+                let outputs = faces.all.get(from).map_or(&[][..], |face| &face.outputs);
+                let several = outputs.len() > 1;
+                let each = outputs.iter().flat_map(|output| {
+                    plugs(document, faces, &output.socket, &self.typed, several)
+                });
+                let mut found: Vec<_> = each.collect();
+                found.sort_by_key(|(order, _)| *order);
+                found.into_iter().take(MOST).map(|(_, line)| line).collect()
+            }
+            Task::Add { link, .. } => {
+                let fits =
+                    |def: &&'static NodeDef| link.as_ref().is_none_or(|l| takes(document, l, def));
+                let dropped = matches!(self.task, Task::Add { dropped: true, .. });
+                let near = link.as_ref().map(|link| match link {
+                    Link::From(socket) | Link::To(socket, _) => &socket.node,
+                });
+                let hints = Hints { recent, after: followers(document, near) };
+                // A wire in the hand wants what it fits; a selected node only proposes.
+                let among = coif_nodes::all().filter(|def| !dropped || fits(def));
+                let mut found = search::find(&self.typed, among, &hints);
+                if !dropped && self.typed.trim().is_empty() {
+                    found.sort_by_key(|def| !fits(def));
+                }
+                found.into_iter().take(MOST).map(|def| kind_line(def, &self.typed)).collect()
+            }
+            Task::Insert(wire, _) => {
+                let Some(from) = wire.from(document) else { return vec![] };
+                let near = Some(&from.node);
+                let (into, out) = (Link::From(from.clone()), Link::To(wire.to.clone(), None));
+                let fits = |def: &&'static NodeDef| {
+                    takes(document, &into, def) && takes(document, &out, def)
+                };
+                let hints = Hints { recent, after: followers(document, near) };
+                let found = search::find(&self.typed, coif_nodes::all().filter(fits), &hints);
+                found.into_iter().take(MOST).map(|def| kind_line(def, &self.typed)).collect()
+            }
+            Task::Swap(id) => {
+                let old = document.node(id.as_str()).map_or("", |node| node.kind.as_str());
+                let among = coif_nodes::all().filter(|def| def.id != old);
+                let hints = Hints { recent, after: BTreeMap::new() };
+                let found = search::find(&self.typed, among, &hints).into_iter();
+                found.take(MOST).map(|def| kind_line(def, &self.typed)).collect()
+            }
+        }
+    }
+}
+
+/// Draws a line of the list, over its whole width.
+fn row(ui: &mut egui::Ui, shown: &Line, chosen: bool) -> egui::Response {
+    let (rect, row) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), Sense::click());
+    row.widget_info(|| {
+        egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, chosen, &shown.label)
+    });
+    if chosen || row.hovered() {
+        let fill = if chosen { theme::SELECTED } else { theme::RAISED };
+        ui.painter().rect_filled(rect, 3.0, fill);
+    }
+    let beside = line(ui, &shown.beside, 11.0, theme::QUIET, rect.width() / 2.0);
+    let room = rect.width() - beside.size().x - 24.0;
+    let label = line(ui, &shown.label, 13.0, theme::TEXT, room);
+    let height = |line: &text::Line| rect.center().y - line.size().y / 2.0;
+    let at = egui::pos2(rect.right() - 8.0 - beside.size().x, height(&beside));
+    beside.show(ui.painter(), at, theme::QUIET);
+    let at = egui::pos2(rect.left() + 8.0, height(&label));
+    label.show(ui.painter(), at, theme::TEXT);
+    row
+}
+
+fn kind_line(def: &'static NodeDef, typed: &str) -> Line {
+    let why = search::why(typed, def);
+    let set = match why {
+        Some(Why::Choice(input, word)) => Some((input, word)),
+        _ => None,
+    };
+    let stage = coif_nodes::STAGES.iter().find(|(_, nodes)| nodes.iter().any(|n| n.id == def.id));
+    let doc = def.doc();
+    Line {
+        label: match why {
+            Some(why) => format!("{}: {}", def.label, why.text()),
+            None => def.label.to_owned(),
+        },
+        beside: stage.map_or("", |(stage, _)| stage).to_owned(),
+        tip: doc.split("\n\n").next().unwrap_or_default().to_owned(),
+        pick: Pick::Kind(def, true, set),
+    }
+}
+
+/// Whether a kind can be wired so.
+fn takes(document: &Document, link: &Link, def: &'static NodeDef) -> bool {
+    match link {
+        Link::From(from) => {
+            wiring::output_type(document, from).is_none_or(|ty| wiring::taking(def, ty).is_some())
+        }
+        Link::To(to, _) => wiring::input_def(document, to)
+            .is_none_or(|input| wiring::giving(def, input.ty).is_some()),
+    }
+}
+
+/// How often each kind follows the kind of a node, in this document.
+fn followers<'a>(document: &'a Document, near: Option<&NodeId>) -> BTreeMap<&'a str, usize> {
+    let kind = |id: &NodeId| document.node(id.as_str()).map(|node| node.kind.as_str());
+    let Some(near) = near.and_then(kind) else { return BTreeMap::new() };
+    let mut after: BTreeMap<&str, usize> = BTreeMap::new();
+    for (to, from) in &document.links {
+        if let (true, Some(kind)) =
+            (from.iter().any(|f| kind(&f.node) == Some(near)), kind(&to.node))
+        {
+            *after.entry(kind).or_default() += 1;
+        }
+    }
+    after
+}
+
+/// How a line stands among others: what fits the letters, what is free, what is of the very type,
+/// what is needed.
+type Standing = (search::Score, bool, bool, bool);
+
+/// The inputs that an output can be wired to, those that wait for one first.
+fn plugs(
+    document: &Document,
+    faces: &Faces,
+    from: &Socket,
+    typed: &str,
+    name_output: bool,
+) -> Vec<(Standing, Line)> {
+    let loose = wiring::LooseWire::from_output(document, from.clone());
+    let given = wiring::output_type(document, from);
+    let mut found = vec![];
+    for face in faces.all.values() {
+        for (number, plug) in face.inputs.iter().enumerate() {
+            if loose.reason(&plug.socket).is_some() {
+                continue;
+            }
+            let mut label = format!("{}: {}", face.label, plug.label());
+            let entry = Entry { label: &label, id: face.id.as_str(), ..Entry::default() };
+            let Some(score) = search::score(typed, &entry) else { continue };
+            let here = document.wires(&face.id, &plug.socket.name);
+            let wired = plug.wire.and_then(|at| here.get(at));
+            if wired == Some(from) {
+                continue;
+            }
+            let beside = match (wired, plug.needed) {
+                (Some(from), _) => format!("has {}", document.name_of(&from.node)),
+                (None, true) => "needed".to_owned(),
+                (None, false) => plug.ty.map_or("", Type::name).to_owned(),
+            };
+            let tip = face.def.and_then(|def| def.input(&plug.socket.name));
+            let tip = tip.map_or(String::new(), |(_, input)| input.doc());
+            if name_output {
+                label = format!("{} ⏵ {label}", words(&from.name));
+            }
+            let order = (score, wired.is_some(), plug.ty != given, !plug.needed);
+            let pick = Pick::Plug(from.clone(), face.id.clone(), number);
+            found.push((order, Line { label, beside, tip, pick }));
+        }
+    }
+    found.sort_by_key(|(order, _)| *order);
+    found
+}
+
+/// An output or input in words.
+pub(super) fn plain(document: &Document, socket: &Socket) -> String {
+    format!("{}: {}", document.name_of(&socket.node), words(&socket.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rooms::canvas::testing::{document, faces, socket};
+
+    #[test]
+    fn a_dropped_wire_is_offered_only_what_it_fits() {
+        let document = document("cornrows");
+        let labels = |link: Link, dropped: bool| -> Vec<String> {
+            let task = Task::Add { at: Pos2::ZERO, link: Some(link), dropped };
+            let finder = Finder::new(task, Pos2::ZERO);
+            let lines = finder.lines(&document, &faces(&document), &[]);
+            lines.into_iter().map(|line| line.label).collect()
+        };
+        let scalp = labels(Link::From(socket("head.scalp")), true);
+        assert!(scalp.contains(&"Scatter guides".to_owned()), "{scalp:?}");
+        assert!(!scalp.contains(&"Resample".to_owned()), "{scalp:?}");
+        let feeds = labels(Link::To(socket("rows.scalp"), None), true);
+        assert_eq!(feeds, ["Head", "Partings"]);
+        // A selected node proposes what fits, but all can be had.
+        let all = labels(Link::From(socket("head.scalp")), false);
+        assert_eq!(all.len(), coif_nodes::all().count());
+        assert_eq!(all[..scalp.len()].len(), scalp.len());
+        // What follows the node in this groom comes first.
+        assert_eq!(labels(Link::From(socket("fill.curves")), true)[0], "Hair colour");
+    }
+
+    #[test]
+    fn inputs_that_wait_for_a_wire_come_first() {
+        let mut document = document("cornrows");
+        document.links.remove(&socket("fill.curves"));
+        let plugs = |typed: &str| -> Vec<Line> {
+            let found = plugs(&document, &faces(&document), &socket("braid.curves"), typed, false);
+            found.into_iter().map(|(_, line)| line).collect()
+        };
+        let lines = plugs("");
+        assert_eq!(lines[0].label, format!("{}: curves", document.name_of(&socket("fill.x").node)));
+        assert_eq!(lines[0].beside, "needed");
+        assert!(lines.iter().all(|line| !line.label.contains("rows: ")), "a circle is offered");
+        assert_eq!(plugs("partings out").len(), 1);
+    }
+}

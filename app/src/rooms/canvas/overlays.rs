@@ -1,0 +1,165 @@
+//! What lies over the canvas: the reason why a wire is refused, the map, the search, names being typed.
+
+use super::edits;
+use super::finder::{Finder, Outcome, Pick, Task};
+use super::scene::Found;
+use super::{Canvas, commands, frames, look};
+use crate::core::event::Event;
+use crate::core::faces::{self, Faces};
+use crate::core::notes::Note;
+use crate::core::state::{Select, State};
+use crate::widgets::theme;
+use coif_graphs::document::{NodeId, wiring};
+use egui::{Align2, FontId, Pos2, Rect, Ui, Vec2, pos2, vec2};
+
+impl Canvas {
+    /// What lies over the canvas: the reason why not, the map, the search, names being typed.
+    pub(super) fn overlays(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        found: &Found,
+        ui: &Ui,
+        area: Rect,
+        out: &mut Vec<Event>,
+    ) {
+        if let Some(why) = self.memory.aim.as_ref().and_then(|aim| aim.refused.as_deref())
+            && let Some(at) = ui.input(|i| i.pointer.latest_pos())
+        {
+            reason(ui, area, at, why);
+        }
+        trail(state, ui, area, out);
+        if state.document.nodes.is_empty() && self.memory.finder.is_none() {
+            let text = "Tab adds a node";
+            let font = FontId::proportional(14.0);
+            ui.painter().text(area.center(), Align2::CENTER_CENTER, text, font, theme::QUIET);
+        }
+        if let Some(to) =
+            frames::map(ui, area, faces, &found.corners, self.seen(), &|at| self.to_screen(at))
+        {
+            self.center_on(to);
+        }
+        if let Some((wire, at)) = self.memory.insert_at.take() {
+            let screen = self.to_screen(at);
+            self.memory.finder = Some(Finder::new(Task::Insert(wire, at), screen));
+        }
+        if let Some(mut finder) = self.memory.finder.take() {
+            match finder.show(ui, &state.document, faces, &self.memory.recent) {
+                Outcome::Open => self.memory.finder = Some(finder),
+                Outcome::Done(Some(pick)) => self.picked(state, faces, &finder.task, pick, out),
+                Outcome::Done(None) => {}
+            }
+        }
+        if let Some(mut naming) = self.memory.naming.take() {
+            let spot = naming.place(&state.document, faces, &found.corners);
+            let spot = spot.map_or(area.center(), |at| self.to_screen(at));
+            if naming.show(ui, area, spot, out) {
+                self.memory.naming = Some(naming);
+            }
+        }
+    }
+
+    /// Something was picked in the search.
+    fn picked(
+        &mut self,
+        state: &State,
+        faces: &Faces,
+        task: &Task,
+        pick: Pick,
+        out: &mut Vec<Event>,
+    ) {
+        let document = &state.document;
+        match (task, pick) {
+            (Task::Add { at, link, dropped }, Pick::Kind(def, wired, set)) => {
+                let link = link.as_ref().filter(|_| wired);
+                let at = commands::place_new(faces, def, *at, link, *dropped);
+                let (edit, id) = edits::add(document, def, at, link, state.group.as_ref());
+                self.memory.used(def);
+                out.push(Event::Edit(edits::and_set(edit, &id, set)));
+                out.push(Event::Select(Select::Nodes(vec![id])));
+            }
+            (Task::Insert(wire, at), Pick::Kind(def, _, set)) => {
+                let at = *at - vec2(faces::WIDTH / 2.0, faces::HEADER);
+                match edits::insert_new(document, def, at, wire) {
+                    Ok((edit, id)) => {
+                        self.memory.used(def);
+                        out.push(Event::Edit(edits::and_set(edit, &id, set)));
+                        out.push(Event::Select(Select::Nodes(vec![id])));
+                    }
+                    Err(why) => out.push(Event::Say(Note::warning(why))),
+                }
+            }
+            (Task::Swap(id), Pick::Kind(def, _, set)) => {
+                match wiring::change_kind(document, id, def.id) {
+                    Ok(edit) => out.push(Event::Edit(edits::and_set(edit, id, set))),
+                    Err(why) => out.push(Event::Say(Note::error(why).of(id.clone()))),
+                }
+            }
+            (Task::Connect(_), Pick::Plug(from, node, number)) => {
+                let plug = faces.all.get(&node).and_then(|face| face.inputs.get(number));
+                let edit = plug.and_then(|plug| edits::connect(document, &from, plug, None));
+                out.extend(edit.map(Event::Edit));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The way to the group that is shown: each group that it is in can be gone back to.
+fn trail(state: &State, ui: &Ui, area: Rect, out: &mut Vec<Event>) {
+    let Some(group) = &state.group else { return };
+    let mut way: Vec<Option<NodeId>> = vec![Some(group.clone())];
+    while let Some(Some(last)) = way.last() {
+        way.push(last.group());
+    }
+    let at =
+        egui::Area::new(trail_id()).order(egui::Order::Middle).fixed_pos(area.min + vec2(8.0, 6.0));
+    at.constrain_to(area).show(ui.ctx(), |ui| {
+        ui.horizontal(|ui| {
+            for (n, place) in way.iter().rev().enumerate() {
+                if n > 0 {
+                    ui.weak("\u{203A}");
+                }
+                let name = place.as_ref().map_or("Groom".into(), |id| state.document.name_of(id));
+                let name: String = name.chars().take(40).collect();
+                if n + 1 == way.len() {
+                    ui.strong(name);
+                } else if ui.small_button(name).on_hover_text("Goes back out to here.").clicked() {
+                    out.push(Event::Enter(place.clone()));
+                }
+            }
+        });
+    });
+}
+
+/// The widget of the way to the group that is shown.
+pub(super) fn trail_id() -> egui::Id {
+    egui::Id::new("canvas trail")
+}
+
+/// Why a wire cannot go where it points, at the pointer.
+fn reason(ui: &Ui, area: Rect, at: Pos2, why: &str) {
+    let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::new("canvas reason"));
+    let p = ui.ctx().layer_painter(layer);
+    let font = FontId::proportional(12.0);
+    let text = p.layout(why.to_owned(), font, theme::ERROR, 280.0);
+    let size = text.size() + vec2(30.0, 12.0);
+    let mut rect = Rect::from_min_size(at + vec2(14.0, 12.0), size);
+    rect = rect.translate(vec2(
+        (area.right() - rect.right()).min(0.0),
+        (area.bottom() - rect.bottom()).min(0.0),
+    ));
+    p.rect(
+        rect,
+        4.0,
+        theme::GROUND,
+        egui::Stroke::new(1.0, theme::ERROR),
+        egui::StrokeKind::Inside,
+    );
+    look::error_mark(&p, pos2(rect.left() + 13.0, rect.top() + 14.0), 6.5);
+    p.galley(rect.min + vec2(24.0, 6.0), text, theme::ERROR);
+    // Told to screen readers as well.
+    let id = egui::Id::new("canvas reason text");
+    let response = ui.interact(Rect::from_min_size(rect.min, Vec2::ZERO), id, egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, why));
+}

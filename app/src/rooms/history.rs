@@ -1,0 +1,89 @@
+//! The history room: every step in words, the present one marked. A click goes there, and what the step changed is
+//! selected.
+
+use crate::core::event::Event;
+use crate::core::state::{Select, State};
+use crate::widgets::theme;
+use egui::{RichText, ScrollArea};
+
+/// Shows the room.
+pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    let done = state.history.done();
+    let steps: Vec<_> = state.history.steps().collect();
+    ui.horizontal(|ui| {
+        for (word, tip, event, can) in [
+            ("Undo", "Takes the last step back", Event::Undo, done > 0),
+            ("Redo", "Does it again", Event::Redo, done < steps.len()),
+        ] {
+            if ui.add_enabled(can, egui::Button::new(word)).on_hover_text(tip).clicked() {
+                out.push(event);
+            }
+        }
+        ui.label(RichText::new(format!("{done} of {} steps", steps.len())).weak());
+    });
+    ui.separator();
+    let height = ui.spacing().interact_size.y;
+    ScrollArea::vertical().auto_shrink(false).show_rows(ui, height, steps.len() + 1, |ui, rows| {
+        for at in rows {
+            let words = match at.checked_sub(1).and_then(|at| steps.get(at)) {
+                Some(step) => step.words.clone(),
+                None => "As it was opened".to_owned(),
+            };
+            let mark = if at == done { "▶ " } else { "" };
+            let mut text = RichText::new(format!("{mark}{words}"));
+            if at > done {
+                text = text.color(theme::QUIET).italics();
+            }
+            let line = ui.selectable_label(at == done, text);
+            if line.on_hover_text("Goes to the state after this step").clicked() {
+                out.push(Event::Jump(at));
+                let changed = at.checked_sub(1).and_then(|at| steps.get(at));
+                let nodes = changed.map(|step| step.nodes().into_iter().collect());
+                out.extend(nodes.map(|nodes| Event::Select(Select::Nodes(nodes))));
+            }
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::room::Room;
+    use crate::core::state::OpenFile;
+    use crate::editor::Editor;
+    use coif_graphs::document::edit::Edit;
+    use coif_graphs::document::{Document, NodeId};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    #[test]
+    fn a_click_goes_to_a_step_and_selects_what_it_changed() {
+        let context = egui::Context::default();
+        let mut editor = Editor::new(&context, Document::default(), OpenFile::default());
+        let ids = ["a", "b", "c"].map(|id| NodeId::new(id).unwrap());
+        for id in &ids {
+            let node = editor.state.document.fresh_node("resample", id).into();
+            editor.apply(Event::Edit(Edit::AddNode { id: id.clone(), node, at: None }));
+        }
+        editor.apply(Event::Show(Room::History));
+        let words: Vec<String> =
+            editor.state.history.steps().map(|step| step.words.clone()).collect();
+        let mut ui = Harness::builder()
+            .with_size(egui::vec2(1400.0, 900.0))
+            .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        ui.step();
+        ui.get_by_label("3 of 3 steps");
+        ui.get_by_label(&format!("▶ {}", words[2]));
+        ui.get_by_label(&words[1]).click();
+        ui.run_steps(2);
+        let state = &ui.state().state;
+        assert_eq!((state.history.done(), state.selection.active.as_ref()), (2, Some(&ids[1])));
+        ui.get_by_label("As it was opened").click();
+        ui.run_steps(2);
+        assert!(ui.state().state.document.nodes.is_empty());
+        ui.get_by_label("0 of 3 steps");
+        ui.get_by_label(&words[2]).click();
+        ui.run_steps(2);
+        assert_eq!(ui.state().state.document.nodes.len(), 3);
+    }
+}

@@ -1,0 +1,663 @@
+//! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
+
+use super::{Pen, PenTool, Picked, recipes, target};
+use crate::core::action::{Action, Can, Of, always};
+use crate::core::event::Event;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::settings::Settings;
+use crate::core::state::{Select, State};
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::strokes::cvs;
+use coif_graphs::document::strokes::whole::{self, End};
+use coif_graphs::document::{NodeId, Setting};
+use coif_nodes::data::gestures::Tool;
+use coif_nodes::data::strokes::{Mode, Stroke};
+use coif_nodes::define::Value;
+use std::collections::BTreeSet;
+
+/// A tool that is taken up.
+macro_rules! tool {
+    ($id:literal, $tool:ident, $label:literal, $tip:literal, $words:literal) => {
+        tool!($id, |pen, _, _| pen.tool = PenTool::$tool, $label, $tip, $words)
+    };
+    ($id:literal, $tool:ident or $hair:ident, $label:literal, $tip:literal, $words:literal) => {
+        tool!(
+            $id,
+            |pen, state, _| same_on_hair(pen, state, PenTool::$tool, Tool::$hair),
+            $label,
+            $tip,
+            $words
+        )
+    };
+    ($id:literal, $run:expr, $label:literal, $tip:literal, $words:literal) => {
+        taken_up($id, $label, $tip, $words, $run)
+    };
+}
+
+/// An action that takes up a tool: it stands in the pen's menu, and can always be done.
+pub(crate) const fn taken_up(
+    id: &'static str,
+    label: &'static str,
+    tip: &'static str,
+    words: &'static str,
+    run: fn(&mut Pen, &State, &mut Vec<Event>),
+) -> Of<Pen> {
+    Action { id, label, tip, words, menu: "Pen", when: always, run }
+}
+
+/// A recipe that is made.
+macro_rules! recipe {
+    ($at:literal, $words:literal) => {
+        Action {
+            id: recipes::ALL[$at].action,
+            label: recipes::ALL[$at].label,
+            tip: recipes::ALL[$at].tip,
+            words: $words,
+            menu: "Pen",
+            when: always,
+            run: |_, state, out| cook(state, $at, out),
+        }
+    };
+}
+
+/// A change of a setting of the pen.
+fn set(state: &State, out: &mut Vec<Event>, change: impl FnOnce(&mut crate::core::pen::Settings)) {
+    let mut settings: Settings = state.settings.clone();
+    change(&mut settings.pen);
+    out.push(Event::Settings(settings.into()));
+}
+
+/// A brush of another size: that of the tool in hand.
+fn sized(pen: &Pen, state: &State, by: f32, out: &mut Vec<Event>) {
+    let hair = matches!(pen.tool, PenTool::Hair(_));
+    set(state, out, |pen| match hair {
+        true => pen.hair_brush = (pen.hair_brush() * by).clamp(0.1, 50.0),
+        false => pen.brush = (pen.brush() * by).clamp(0.05, 20.0),
+    });
+}
+
+/// Takes up a tool on strokes, or on hair or a mask the one of the same name. Where hair was sketched and no stroke was drawn it is
+/// hair that is meant.
+fn same_on_hair(pen: &mut Pen, state: &State, strokes: PenTool, hair: Tool) {
+    let sketched = target::of(state).is_none() && super::hair::target::of(state).is_some();
+    pen.tool = match pen.tool {
+        PenTool::Mask(_) if matches!(hair, Tool::Point | Tool::Redraw) => strokes,
+        PenTool::Hair(_) => PenTool::Hair(Some(hair)),
+        PenTool::Select | PenTool::Draw if sketched => PenTool::Hair(Some(hair)),
+        PenTool::Mask(mode) => PenTool::Mask(match hair {
+            Tool::Cut => Mode::Erase,
+            Tool::Smooth => Mode::Smooth,
+            _ => mode,
+        }),
+        _ => strokes,
+    };
+}
+
+/// What can be done by name.
+pub(crate) const ACTIONS: &[Of<Pen>] = &[
+    tool!(
+        "pen.select",
+        Select,
+        "Select and turn",
+        "The pointer selects in the viewport and turns the view; the pen does not draw.",
+        "arrow pick none"
+    ),
+    tool!(
+        "pen.draw",
+        Draw,
+        "Draw strokes",
+        "Draw on the scalp, or in space where the node says so. Makes a stroke input where there is none.",
+        "pencil sketch row guide line brush"
+    ),
+    Action {
+        id: "pen.hairline",
+        label: "Hairline",
+        tip: "Draw one closed stroke on the head: hair grows inside it, on the crown's side, with the soft edge that the head says. Again: done.",
+        words: "region outline scalp grow closed where",
+        menu: "Pen",
+        when: a_head,
+        run: |pen, state, out| {
+            let head = target::head(&state.document);
+            let off = head.is_some() && state.pinned == head;
+            pen.tool = if off { PenTool::Select } else { PenTool::Draw };
+            out.push(Event::Pin(head.filter(|_| !off)));
+        },
+    },
+    tool!(
+        "pen.points",
+        Points or Point,
+        "Edit points",
+        "Click, box or (with Ctrl) lasso points of strokes, and drag them. Double click a line to add a point.",
+        "cv cvs vertex move handles control"
+    ),
+    tool!(
+        "pen.redraw",
+        Redraw or Redraw,
+        "Re-draw a part",
+        "Draw a part of a stroke anew, from where you begin beside it to where you end.",
+        "redraw correct fix overdraw"
+    ),
+    tool!(
+        "pen.erase",
+        Erase or Cut,
+        "Erase strokes",
+        "Removes every stroke that the brush passes. The eraser end of a pen always does. With a tool for hair in hand it cuts hair.",
+        "rubber delete remove"
+    ),
+    tool!(
+        "pen.comb",
+        Comb or Comb,
+        "Comb strokes",
+        "Pulls strokes the way the pen moves; roots stay. With Shift it smooths. With a tool for hair in hand it combs hair.",
+        "brush drag pull groom"
+    ),
+    tool!(
+        "pen.smooth_brush",
+        Smooth or Smooth,
+        "Smooth with a brush",
+        "Takes the wiggles out of strokes under the brush; ends stay. With a tool for hair in hand it smooths hair.",
+        "relax even"
+    ),
+    Action {
+        id: "pen.brush_smaller",
+        label: "Smaller brush",
+        tip: "Makes the brush smaller by a fifth.",
+        words: "size radius",
+        menu: "",
+        when: always,
+        run: |pen, state, out| sized(pen, state, 1.0 / 1.25, out),
+    },
+    Action {
+        id: "pen.brush_larger",
+        label: "Larger brush",
+        tip: "Makes the brush larger by a quarter.",
+        words: "size radius",
+        menu: "",
+        when: always,
+        run: |pen, state, out| sized(pen, state, 1.25, out),
+    },
+    Action {
+        id: "pen.weaker",
+        label: "Weaker brush",
+        tip: "Makes a pass of the brush do less.",
+        words: "strength opacity",
+        menu: "",
+        when: always,
+        run: |_, state, out| set(state, out, |pen| pen.strength = (pen.strength() - 0.1).max(0.05)),
+    },
+    Action {
+        id: "pen.stronger",
+        label: "Stronger brush",
+        tip: "Makes a pass of the brush do more.",
+        words: "strength opacity",
+        menu: "",
+        when: always,
+        run: |_, state, out| set(state, out, |pen| pen.strength = (pen.strength() + 0.1).min(1.0)),
+    },
+    Action {
+        id: "pen.lighter",
+        label: "Lighter mouse pressure",
+        tip: "Lowers the pressure that a mouse draws with. Shift is always full pressure.",
+        words: "force level",
+        menu: "Pen",
+        when: always,
+        run: |_, state, out| {
+            set(state, out, |pen| pen.mouse_pressure = (pen.mouse_pressure - 0.1).max(0.0))
+        },
+    },
+    Action {
+        id: "pen.heavier",
+        label: "Heavier mouse pressure",
+        tip: "Raises the pressure that a mouse draws with. Shift is always full pressure.",
+        words: "force level",
+        menu: "Pen",
+        when: always,
+        run: |_, state, out| {
+            set(state, out, |pen| pen.mouse_pressure = (pen.mouse_pressure + 0.1).min(1.0))
+        },
+    },
+    Action {
+        id: "pen.symmetry",
+        label: "Symmetry",
+        tip: "Draws on the other side of the head too: strokes, which snap to its middle near it, and gestures on hair.",
+        words: "mirror both sides live x",
+        menu: "Pen",
+        when: always,
+        run: symmetry,
+    },
+    Action {
+        id: "pen.settings",
+        label: "Pen settings",
+        tip: "Pressure curve, stabiliser and double tap of each pen, with a strip to try them on.",
+        words: "tablet stylus calibrate preferences left-handed",
+        menu: "Pen",
+        when: always,
+        run: |pen, _, _| pen.settings_open = !pen.settings_open,
+    },
+    Action {
+        id: "strokes.delete",
+        label: "Delete strokes or points",
+        tip: "Removes the picked strokes, or the picked points.",
+        words: "remove erase cv",
+        menu: "Pen",
+        when: anything_picked,
+        run: delete,
+    },
+    Action {
+        id: "strokes.all",
+        label: "Pick all strokes",
+        tip: "Picks every stroke of the node that the pen works on.",
+        words: "select everything",
+        menu: "Pen",
+        when: any_strokes,
+        run: pick_all,
+    },
+    Action {
+        id: "strokes.grow",
+        label: "Grow the pick",
+        tip: "Picks one more point on each side of those that are picked; of a stroke, all its points.",
+        words: "select more expand",
+        menu: "Pen",
+        when: anything_picked,
+        run: grow,
+    },
+    Action {
+        id: "strokes.reverse",
+        label: "Reverse strokes",
+        tip: "Makes the tip of each picked stroke its root.",
+        words: "flip direction turn",
+        menu: "Pen",
+        when: anything_picked,
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes reversed", |stroke, _| Some(whole::reversed(stroke)))
+        },
+    },
+    Action {
+        id: "strokes.smooth",
+        label: "Smooth strokes",
+        tip: "Takes wiggles out of the picked strokes, or around the picked points. Repeat it at will.",
+        words: "relax even fair",
+        menu: "Pen",
+        when: anything_picked,
+        run: smooth,
+    },
+    Action {
+        id: "strokes.straighten",
+        label: "Straighten strokes",
+        tip: "Puts the points between the first and the last picked one on a straight line; without points, the whole stroke.",
+        words: "line flatten",
+        menu: "Pen",
+        when: anything_picked,
+        run: straighten,
+    },
+    Action {
+        id: "strokes.extend",
+        label: "Extend strokes",
+        tip: "Makes the picked strokes a centimetre longer at the tip, straight on.",
+        words: "longer grow",
+        menu: "Pen",
+        when: anything_picked,
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes extended", |stroke, _| {
+                whole::extended(stroke, End::Tip, 1.0)
+            })
+        },
+    },
+    Action {
+        id: "strokes.shorten",
+        label: "Shorten strokes",
+        tip: "Takes a centimetre off the tip of the picked strokes.",
+        words: "trim cut",
+        menu: "Pen",
+        when: anything_picked,
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes shortened", |stroke, _| {
+                whole::extended(stroke, End::Tip, -1.0)
+            })
+        },
+    },
+    Action {
+        id: "strokes.cut",
+        label: "Cut strokes",
+        tip: "Cuts strokes in two at their picked points.",
+        words: "split divide",
+        menu: "Pen",
+        when: points_picked,
+        run: cut,
+    },
+    Action {
+        id: "strokes.join",
+        label: "Join strokes",
+        tip: "Makes two picked strokes one, where their ends are nearest.",
+        words: "connect merge weld",
+        menu: "Pen",
+        when: two_picked,
+        run: join,
+    },
+    Action {
+        id: "strokes.insert",
+        label: "Insert points",
+        tip: "Adds a point in the middle behind each picked point; without points, behind every point.",
+        words: "subdivide cv add",
+        menu: "Pen",
+        when: anything_picked,
+        run: insert,
+    },
+    Action {
+        id: "strokes.slide_tip",
+        label: "Slide towards the tip",
+        tip: "Slides the picked points along their strokes by a millimetre.",
+        words: "move along",
+        menu: "Pen",
+        when: points_picked,
+        run: |pen, state, out| slide(pen, state, 0.1, out),
+    },
+    Action {
+        id: "strokes.slide_root",
+        label: "Slide towards the root",
+        tip: "Slides the picked points along their strokes by a millimetre, back.",
+        words: "move along",
+        menu: "Pen",
+        when: points_picked,
+        run: |pen, state, out| slide(pen, state, -0.1, out),
+    },
+    Action {
+        id: "strokes.refit",
+        label: "Back to what was drawn",
+        tip: "Takes back all edits of points: the picked strokes are again as the pen drew them.",
+        words: "re-fit reset original",
+        menu: "Pen",
+        when: anything_picked,
+        run: |pen, state, out| {
+            each(pen, state, out, "strokes as drawn", |stroke, _| Some(cvs::refitted(stroke)))
+        },
+    },
+    Action {
+        id: "strokes.mirror_once",
+        label: "Mirror strokes once",
+        tip: "Adds the mirror images of the picked strokes as strokes of their own.",
+        words: "symmetry flip copy other side",
+        menu: "Pen",
+        when: anything_picked,
+        run: mirror_once,
+    },
+    recipe!(0, "recipe gesture hairstyle pen implant cluster"),
+    recipe!(1, "recipe braid canerow plait"),
+    recipe!(2, "recipe rope two strand row"),
+    recipe!(3, "recipe braid plait hanging three strand"),
+    recipe!(4, "recipe rope hanging"),
+    recipe!(5, "recipe clump cluster fringe wisp"),
+    recipe!(6, "recipe loose hair sleek parting middle"),
+    recipe!(7, "recipe loose hair level cut parting side"),
+    recipe!(8, "recipe loose hair wavy parting side"),
+    recipe!(9, "recipe loose hair bangs forehead"),
+    recipe!(10, "recipe tail tied gathered"),
+    recipe!(11, "recipe bun ball afro pom"),
+    recipe!(12, "recipe kinky round natural 4c"),
+    recipe!(13, "recipe loose hair crop fade men barber clippers"),
+];
+
+fn anything_picked(pen: &Pen, _: &State) -> Can {
+    match pen.picked == Picked::default() {
+        true => Err("pick strokes first: with \"Edit points\", click one"),
+        false => Ok(()),
+    }
+}
+
+fn points_picked(pen: &Pen, _: &State) -> Can {
+    match pen.picked.points.is_empty() {
+        true => Err("pick points first: with \"Edit points\", click one"),
+        false => Ok(()),
+    }
+}
+
+fn two_picked(pen: &Pen, _: &State) -> Can {
+    match pen.picked.touched().len() {
+        2 => Ok(()),
+        _ => Err("pick two strokes: with \"Edit points\", click one, and the other with Shift"),
+    }
+}
+
+fn any_strokes(_: &Pen, state: &State) -> Can {
+    let strokes = at(state).map(|(node, _)| target::strokes(&state.document, &node));
+    match strokes.is_some_and(|strokes| !strokes.0.is_empty()) {
+        true => Ok(()),
+        false => Err("there are no strokes: draw one"),
+    }
+}
+
+fn a_head(_: &Pen, state: &State) -> Can {
+    let head = target::head(&state.document);
+    head.map(|_| ()).ok_or("there is no head: add a head to the graph")
+}
+
+/// The node that the pen works on and the name of its input.
+fn at(state: &State) -> Option<(NodeId, &'static str)> {
+    let node = target::of(state)?;
+    let kind = &state.document.node(node.as_str())?.kind;
+    Some((node.clone(), target::strokes_input(kind)?))
+}
+
+/// Makes edits in one step, named after the node.
+fn step(state: &State, node: &NodeId, words: &str, edits: Vec<Edit>, out: &mut Vec<Event>) {
+    if edits.is_empty() {
+        return;
+    }
+    let words = format!("{}: {words}", state.document.name_of(node));
+    out.push(Event::Begin(words));
+    out.push(Event::Edit(Edit::Several(edits)));
+    out.push(Event::End);
+}
+
+/// Toggles the mirror of the node that the pen works on; with none, of the one that drawing will make.
+fn symmetry(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    if matches!(pen.tool, PenTool::Mask(_)) {
+        return set(state, out, |pen| pen.symmetry = !pen.symmetry);
+    }
+    let document = &state.document;
+    let strokes = !matches!(pen.tool, PenTool::Hair(_));
+    let node = target::of(state).filter(|_| strokes);
+    let mirror = node.as_ref().and_then(|id| target::choice(document, id, "mirror"));
+    let (Some(node), Some(mirror)) = (node, mirror) else {
+        set(state, out, |pen| pen.symmetry = !pen.symmetry);
+        return;
+    };
+    let both = mirror != "both";
+    let word = if both { "both" } else { "none" };
+    let setting = Setting::Known(Value::Text(word.into()));
+    let edit = Edit::SetInput { node: node.clone(), input: "mirror".to_owned(), setting };
+    set(state, out, |pen| pen.symmetry = both);
+    step(state, &node, if both { "symmetry on" } else { "symmetry off" }, vec![edit], out);
+}
+
+/// A change of every picked stroke, in one step: what it becomes by its picked points, or none where it stays.
+fn each(
+    pen: &Pen,
+    state: &State,
+    out: &mut Vec<Event>,
+    words: &str,
+    change: impl Fn(&Stroke, &BTreeSet<usize>) -> Option<Stroke>,
+) {
+    let Some((node, input)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let picked = &pen.picked;
+    let touched = picked.touched();
+    let mut edits = vec![];
+    for stroke in strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)) {
+        let new = change(stroke, &picked.points_of(stroke.id)).filter(|new| new != stroke);
+        edits.extend(new.map(|stroke| Edit::ReplaceStroke {
+            node: node.clone(),
+            input: input.to_owned(),
+            stroke,
+        }));
+    }
+    step(state, &node, words, edits, out);
+}
+
+fn smooth(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let reach = state.settings.pen.falloff;
+    each(pen, state, out, "strokes smoothed", |stroke, points| {
+        let weights = match points.is_empty() {
+            true => vec![1.0; stroke.samples.len()],
+            false => cvs::falloff(stroke, points, reach),
+        };
+        Some((0..8).fold(stroke.clone(), |stroke, _| cvs::smoothed(&stroke, &weights)))
+    });
+}
+
+fn straighten(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    each(pen, state, out, "strokes straightened", |stroke, points| {
+        let last = stroke.samples.len().checked_sub(1)?;
+        let (from, to) = match (points.first(), points.last()) {
+            (Some(from), Some(to)) if from < to => (*from, *to),
+            _ => (0, last),
+        };
+        Some(cvs::straightened(stroke, from, to, 1.0))
+    });
+}
+
+fn insert(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    each(pen, state, out, "points inserted", |stroke, points| {
+        let ways = cvs::ways(&stroke.samples);
+        let gaps = ways.windows(2).enumerate();
+        let gaps = gaps.filter(|(i, _)| points.is_empty() || points.contains(i));
+        let middles: Vec<f32> = gaps.map(|(_, gap)| (gap[0] + gap[1]) * 0.5).collect();
+        // From the tip on: what is inserted changes the ways behind it by a rounding.
+        let insert = |stroke, way: &f32| Some(cvs::inserted(&stroke, *way)?.0);
+        middles.iter().rev().try_fold(stroke.clone(), insert)
+    });
+}
+
+fn slide(pen: &Pen, state: &State, by: f32, out: &mut Vec<Event>) {
+    each(pen, state, out, "points slid", |stroke, points| {
+        // The foremost goes first, so that the others have room.
+        let mut order: Vec<usize> = points.iter().copied().collect();
+        if by > 0.0 {
+            order.reverse();
+        }
+        Some(order.iter().fold(stroke.clone(), |stroke, cv| cvs::slid(&stroke, *cv, by)))
+    });
+}
+
+fn pick_all(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
+    let Some((node, _)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let strokes = strokes.0.iter().map(|stroke| stroke.id).collect();
+    pen.picked = Picked { strokes, ..Picked::default() };
+}
+
+fn grow(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
+    let Some((node, _)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let picked = &mut pen.picked;
+    let more: Vec<(u64, usize)> = picked
+        .points
+        .iter()
+        .flat_map(|(id, at)| [(*id, at.saturating_sub(1)), (*id, at + 1)])
+        .collect();
+    picked.points.extend(more);
+    for stroke in strokes.0.iter().filter(|stroke| picked.strokes.contains(&stroke.id)) {
+        picked.points.extend((0..stroke.samples.len()).map(|at| (stroke.id, at)));
+    }
+    picked.keep(&strokes);
+}
+
+fn delete(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let picked = std::mem::take(&mut pen.picked);
+    let touched = picked.touched();
+    let mut edits = vec![];
+    for stroke in strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)) {
+        let (node, input) = (node.clone(), input.to_owned());
+        let points = picked.points_of(stroke.id);
+        let left = if points.is_empty() { None } else { cvs::deleted(stroke, &points) };
+        edits.push(match left {
+            Some(stroke) => Edit::ReplaceStroke { node, input, stroke },
+            None => Edit::RemoveStroke { node, input, id: stroke.id },
+        });
+    }
+    let words = if picked.points.is_empty() { "strokes deleted" } else { "points deleted" };
+    step(state, &node, words, edits, out);
+}
+
+fn mirror_once(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let mut strokes = (*target::strokes(&state.document, &node)).clone();
+    let mut edits = vec![];
+    for id in pen.picked.touched() {
+        let Some(stroke) = strokes.0.iter().find(|stroke| stroke.id == id) else { continue };
+        let twin = cvs::mirrored(stroke, &strokes);
+        strokes.0.push(twin.clone());
+        let (node, input) = (node.clone(), input.to_owned());
+        edits.push(Edit::AddStroke { node, input, at: usize::MAX, stroke: twin });
+    }
+    step(state, &node, "strokes mirrored", edits, out);
+}
+
+fn cut(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let mut strokes = (*target::strokes(&state.document, &node)).clone();
+    let points = std::mem::take(&mut pen.picked).points;
+    let mut edits = vec![];
+    // From the tip on, so that numbers of points hold.
+    for (id, at) in points.into_iter().rev() {
+        let Some(i) = strokes.0.iter().position(|stroke| stroke.id == id) else { continue };
+        let Some(way) = cvs::ways(&strokes.0[i].samples).get(at).copied() else { continue };
+        let Some((low, high)) = whole::cut(&strokes.0[i], way, &strokes) else { continue };
+        strokes.0[i] = low.clone();
+        strokes.0.push(high.clone());
+        let (node, input) = (node.clone(), input.to_owned());
+        edits.push(Edit::ReplaceStroke { node: node.clone(), input: input.clone(), stroke: low });
+        edits.push(Edit::AddStroke { node, input, at: usize::MAX, stroke: high });
+    }
+    step(state, &node, "strokes cut", edits, out);
+}
+
+fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let Some((node, input)) = at(state) else { return };
+    let strokes = target::strokes(&state.document, &node);
+    let touched = pen.picked.touched();
+    // In drawing order: the first keeps its name and its root.
+    let mut two = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id));
+    let (Some(first), Some(second)) = (two.next(), two.next()) else { return };
+    let (stroke, id) = (whole::joined(first, second), second.id);
+    pen.picked = Picked { strokes: [stroke.id].into(), ..Picked::default() };
+    let input = input.to_owned();
+    let edits = vec![
+        Edit::RemoveStroke { node: node.clone(), input: input.clone(), id },
+        Edit::ReplaceStroke { node: node.clone(), input, stroke },
+    ];
+    step(state, &node, "strokes joined", edits, out);
+}
+
+/// Makes a recipe and takes up the pen, where there is something to draw. What it is made of is selected: the inspector shows
+/// what to draw into, or the colour of hair that is there.
+fn cook(state: &State, recipe: usize, out: &mut Vec<Event>) {
+    let Some(recipe) = recipes::ALL.get(recipe) else { return };
+    let mirror = state.settings.pen.symmetry;
+    let made = match recipe.edits(&state.document, state.active(), mirror) {
+        Ok(made) => made,
+        Err(why) => {
+            return out.push(Event::Say(Note::warning(format!("{}: {why}", recipe.label))));
+        }
+    };
+    out.push(Event::Begin(format!("recipe: {}", recipe.label.to_lowercase())));
+    out.push(Event::Edit(Edit::Several(made.edits)));
+    out.push(Event::End);
+    out.push(Event::Select(Select::Nodes(vec![made.node.clone()])));
+    out.push(Event::Show(Room::Viewport));
+    out.extend(recipe.is_drawn().then_some(Event::TakeUpPen(made.node)));
+}
+
+impl Pen {
+    /// Takes up the tool for a node that is to be drawn into.
+    pub(crate) fn take_up(&mut self, state: &State, node: &NodeId) {
+        let kind = state.document.node(node.as_str()).map_or("", |node| node.kind.as_str());
+        self.tool = match kind == super::hair::target::KIND {
+            true => PenTool::Hair(None),
+            false => PenTool::Draw,
+        };
+    }
+}

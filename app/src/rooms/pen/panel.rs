@@ -1,0 +1,385 @@
+//! The pen's bar over the picture, and the settings of each device with a strip to try them on.
+
+use super::{HAIR_TOOLS, Pen, PenTool, edits, recipes, target};
+use crate::core::action::Of;
+use crate::core::event::Event;
+use crate::core::pen::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
+use crate::core::state::State;
+use crate::widgets::panel;
+use crate::widgets::theme;
+use coif_graphs::document::edit::Edit;
+use coif_nodes::data::gestures::{Layer, Tool};
+use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
+
+/// The bar takes no more than this of the room's height.
+const SHARE: f32 = 0.4;
+
+impl Pen {
+    /// The bar: tools on strokes, under them those on hair and on masks, and behind these what the tool in hand needs. Where all
+    /// of it would take more than its share of the room it scrolls: the picture is what is worked on.
+    pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let line = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+        let most = (ui.available_height() * SHARE).max(line);
+        let bar = egui::ScrollArea::vertical().id_salt("pen bar").max_height(most);
+        bar.min_scrolled_height(0.0).auto_shrink([false, true]).show(ui, |ui| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            self.lines(state, ui, out);
+        });
+    }
+
+    fn lines(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let mut settings = state.settings.pen.clone();
+        let on_strokes =
+            !matches!(self.tool, PenTool::Select | PenTool::Hair(_) | PenTool::Mask(_));
+        ui.horizontal_wrapped(|ui| {
+            let tools = PenTool::ALL.map(|tool| (tool, tool.label(), tool.action()));
+            self.tools(&tools[..1], ui, out);
+            name(
+                ui,
+                "Strokes",
+                "Tools that draw and change strokes, which become rows and guides.",
+            );
+            self.tools(&tools[1..], ui, out);
+            let head = state.pinned.is_some() && state.pinned == target::head(&state.document);
+            act(ui, head, "pen.hairline", out);
+            ui.separator();
+            let menu = ui.menu_button("Recipes", |ui| {
+                panel::list(ui, |ui| {
+                    for recipe in &recipes::ALL {
+                        if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
+                            out.push(Event::Act(recipe.action));
+                            ui.close();
+                        }
+                    }
+                });
+            });
+            menu.response.on_hover_text("Whole pieces of a graph, ready to be drawn into.");
+            act(ui, self.settings_open, "pen.settings", out);
+        });
+        ui.horizontal_wrapped(|ui| {
+            name(
+                ui,
+                "Hair",
+                "Tools that plant and style hair on the head, or hair that a graph made.",
+            );
+            let tools: Vec<_> = HAIR_TOOLS
+                .iter()
+                .map(|(tool, label, action)| (PenTool::Hair(*tool), *label, *action))
+                .collect();
+            self.tools(&tools, ui, out);
+        });
+        // One line whatever the tool in hand needs: the picture under it keeps its place.
+        let line = egui::ScrollArea::horizontal().id_salt("pen settings line");
+        line.show(ui, |ui| {
+            ui.horizontal(|ui| {
+                name(
+                    ui,
+                    "Mask",
+                    "Tools that paint a number on the head, which any field can read.",
+                );
+                self.mask_bar(&mut settings, ui, out);
+                // What the tool in hand needs comes last, so that no tool is ever elsewhere.
+                if let PenTool::Hair(tool) = self.tool {
+                    ui.separator();
+                    self.hair_settings(tool, &mut settings, ui);
+                    act(ui, settings.strands, "hair.strands", out);
+                    act(ui, settings.symmetry, "pen.symmetry", out);
+                } else if on_strokes {
+                    ui.separator();
+                    self.tool_settings(&mut settings, ui);
+                    self.height(state, ui, out);
+                    let node = target::of(state);
+                    let mirrored =
+                        node.and_then(|id| target::choice(&state.document, &id, "mirror"));
+                    let on = mirrored.map_or(settings.symmetry, |word| word == "both");
+                    act(ui, on, "pen.symmetry", out);
+                }
+            })
+        });
+        if settings != state.settings.pen {
+            let settings =
+                crate::core::settings::Settings { pen: settings, ..state.settings.clone() };
+            out.push(Event::Settings(settings.into()));
+        }
+    }
+
+    /// Tools to take up: which, what they are called, and their actions.
+    pub(super) fn tools(
+        &self,
+        tools: &[(PenTool, &'static str, &'static str)],
+        ui: &mut Ui,
+        out: &mut Vec<Event>,
+    ) {
+        for (tool, label, action) in tools {
+            let tip = named(action).map_or("", |action| action.tip);
+            let chosen = theme::choice(ui, self.tool == *tool, label);
+            if chosen.on_hover_text(tip).clicked() {
+                out.push(Event::Act(action));
+            }
+        }
+    }
+
+    /// What the tool in hand needs.
+    fn tool_settings(&mut self, settings: &mut Settings, ui: &mut Ui) {
+        let number = |ui: &mut Ui, value: &mut f32, range, unit: &str, name: &str, tip: &str| {
+            let drag = egui::DragValue::new(value).range(range).speed(0.02).suffix(unit);
+            ui.add(drag.prefix(format!("{name} "))).on_hover_text(tip);
+        };
+        if self.tool.has_brush() {
+            number(
+                ui,
+                &mut settings.brush,
+                0.05..=20.0,
+                " cm",
+                "Size",
+                "Radius of the brush on the scalp.",
+            );
+        }
+        if matches!(self.tool, PenTool::Comb | PenTool::Smooth) {
+            let tip = "What one pass does. Pressure is on top of it.";
+            number(ui, &mut settings.strength, 0.01..=1.0, "", "Strength", tip);
+        }
+        if self.tool == PenTool::Draw {
+            let tip = "The pressure of a mouse. Shift is full pressure, the wheel changes it while drawing.";
+            number(ui, &mut settings.mouse_pressure, 0.0..=1.0, "", "Mouse pressure", tip);
+        }
+        if self.tool == PenTool::Points {
+            let name = |along: Along| match along {
+                Along::Scalp => "on the scalp",
+                Along::View => "in the view",
+                Along::Normal => "off the scalp",
+            };
+            let combo = ComboBox::from_id_salt("along").selected_text(name(settings.along));
+            let response = combo.show_ui(ui, |ui| {
+                for along in [Along::Scalp, Along::View, Along::Normal] {
+                    ui.selectable_value(&mut settings.along, along, name(along));
+                }
+            });
+            response.response.on_hover_text("What dragged points move along.");
+            let tip = "How far along a stroke its points go along with a dragged one.";
+            number(ui, &mut settings.falloff, 0.0..=50.0, " cm", "Falloff", tip);
+        }
+    }
+
+    /// What a tool on hair needs: how deep it reaches, its brush, the colour of what it plants.
+    fn hair_settings(&mut self, tool: Option<Tool>, settings: &mut Settings, ui: &mut Ui) {
+        let levels = [
+            (Layer::Nearest, "1", "Level 1: the cluster nearest to the eye."),
+            (Layer::Through, "2", "Level 2: all hair down to the head."),
+            (Layer::Scalp, "3", "Level 3: the skin, and what is rooted there."),
+        ];
+        ui.label("Level").on_hover_text(
+            "How deep a touch reaches. With none chosen a pen's pressure says it, and a mouse by what it touches.",
+        );
+        for (level, label, tip) in levels {
+            let on = self.hair.level == Some(level);
+            if ui.selectable_label(on, label).on_hover_text(tip).clicked() {
+                self.hair.level = Some(level).filter(|_| !on);
+            }
+        }
+        let brush = matches!(tool, Some(Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten));
+        let drag = |value, range, prefix: &str, unit: &str| {
+            let drag = egui::DragValue::new(value).range(range).speed(0.02);
+            drag.prefix(prefix.to_owned()).suffix(unit.to_owned())
+        };
+        if brush || tool == Some(Tool::Scatter) {
+            let drag = drag(&mut settings.hair_brush, 0.1..=50.0, "Size ", " cm");
+            ui.add(drag).on_hover_text("Radius of the brush at the head.");
+        }
+        if brush && tool != Some(Tool::Grab) || matches!(tool, None | Some(Tool::Comb)) {
+            let drag = drag(&mut settings.strength, 0.01..=1.0, "Strength ", "");
+            ui.add(drag).on_hover_text("At 0.5 combed hair goes as far as the pen.");
+        }
+        if matches!(tool, None | Some(Tool::Implant | Tool::Silhouette)) {
+            let mut own = settings.hair_colour.is_some();
+            let tip = "Implant clusters of a colour of their own; else they have that of the hair.";
+            if ui.checkbox(&mut own, "Colour").on_hover_text(tip).changed() {
+                settings.hair_colour = own.then_some([120, 60, 30]);
+            }
+            if let Some(colour) = &mut settings.hair_colour {
+                ui.color_edit_button_srgb(colour);
+            }
+        }
+    }
+
+    /// How high the picked points are over the scalp, as a number. What is typed or dragged holds for all of them.
+    fn height(&self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
+        let (Some(scalp), Some(node), Some((id, at)), PenTool::Points) =
+            (scalp, target::of(state), self.picked.points.first(), self.tool)
+        else {
+            return;
+        };
+        let strokes = target::strokes(&state.document, &node);
+        let first = strokes.0.iter().find(|stroke| stroke.id == *id);
+        let Some(p) = first.and_then(|stroke| edits::path(scalp, stroke).get(*at).copied()) else {
+            return;
+        };
+        let Some(mut height) = edits::height(scalp, p) else { return };
+        let drag = egui::DragValue::new(&mut height).range(-20.0..=100.0).speed(0.02).suffix(" cm");
+        let drag = drag.fixed_decimals(2);
+        let tip = "How high the picked points are over the scalp.";
+        if !ui.add(drag.prefix("Height ")).on_hover_text(tip).changed() {
+            return;
+        }
+        let kind = state.document.node(node.as_str()).map_or("", |node| &node.kind);
+        let Some(input) = target::strokes_input(kind) else { return };
+        let touched = self.picked.touched();
+        let raised = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id)).map(|stroke| {
+            let stroke = edits::raised(scalp, stroke, &self.picked.points_of(stroke.id), height);
+            Edit::ReplaceStroke { node: node.clone(), input: input.to_owned(), stroke }
+        });
+        out.push(Event::Nudge(Edit::Several(raised.collect())));
+    }
+
+    /// The window with the settings of devices, when it is open.
+    pub fn settings_window(&mut self, state: &State, ctx: &egui::Context, out: &mut Vec<Event>) {
+        if !self.settings_open {
+            return;
+        }
+        let mut settings = state.settings.pen.clone();
+        let mut open = true;
+        panel::window("Pen settings", "pen settings", ctx)
+            .open(&mut open)
+            .default_pos([24.0, 120.0])
+            .default_width(320.0)
+            .show(ctx, |ui| {
+                panel::body(ui, 300.0, |ui| {
+                    let mut names: Vec<String> = self.devices.pens().map(str::to_owned).collect();
+                    names.extend([TOUCH.to_owned(), MOUSE.to_owned()]);
+                    names.dedup();
+                    if self.devices.pens().next().is_none() {
+                        ui.label("No pen with pressure is plugged in.");
+                        if !self.devices.why_not().is_empty() {
+                            ui.label(self.devices.why_not());
+                        }
+                    }
+                    for name in names {
+                        let mut feel = settings.feel(&name);
+                        let before = feel;
+                        let label = match name.as_str() {
+                            TOUCH => "Touch screen",
+                            MOUSE => "Mouse",
+                            pen => pen,
+                        };
+                        egui::CollapsingHeader::new(label).default_open(true).show(ui, |ui| {
+                            self.feel(&mut feel, name == MOUSE, ui);
+                        });
+                        if feel != before {
+                            settings.devices.insert(name, feel);
+                        }
+                    }
+                    ui.separator();
+                    ui.checkbox(&mut settings.level_by_mean, "Level by the first 2 pixels")
+                        .on_hover_text(
+                            "How deep a touch on hair reaches is told by the mean pressure of its first 2 pixels, instead of the highest of its first 80 ms or 12 pixels.",
+                        );
+                    ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
+                        .on_hover_text("A finger works as a pen does, unless a pen is near.");
+                    ui.label("Last touch");
+                    strip(ui, &self.strip);
+                })
+            });
+        self.settings_open = open;
+        if settings != state.settings.pen {
+            let settings =
+                crate::core::settings::Settings { pen: settings, ..state.settings.clone() };
+            out.push(Event::Settings(settings.into()));
+        }
+    }
+
+    fn feel(&self, feel: &mut Feel, mouse: bool, ui: &mut Ui) {
+        if !mouse {
+            ui.horizontal(|ui| {
+                curve(ui, &mut feel.curve);
+                ui.vertical(|ui| {
+                    for (name, curve) in
+                        [("Soft", Curve::SOFT), ("Linear", Curve::LINEAR), ("Firm", Curve::FIRM)]
+                    {
+                        if ui.selectable_label(feel.curve == curve, name).clicked() {
+                            feel.curve = curve;
+                        }
+                    }
+                });
+            });
+            ui.add(Slider::new(&mut feel.minimum, 0.0..=0.9).text("Minimum pressure"))
+                .on_hover_text("Less counts as none: for tips that never lift.");
+        }
+        ui.add(Slider::new(&mut feel.stabiliser, 0.0..=1.0).text("Stabiliser"))
+            .on_hover_text("How far the line lags behind a trembling hand; 1 is 150 ms.");
+        ui.add(Slider::new(&mut feel.double_tap, 0.0..=60.0).text("Double tap distance"))
+            .on_hover_text("How far apart two taps may be that count as a double tap.");
+        ui.checkbox(&mut feel.left_handed, "Left-handed")
+            .on_hover_text("Labels go to the left of the pen, where the hand does not cover them.");
+    }
+}
+
+/// What a group of tools works on.
+fn name(ui: &mut Ui, name: &str, tip: &str) {
+    ui.label(egui::RichText::new(name).color(theme::QUIET)).on_hover_text(tip);
+}
+
+/// The pen's own action of an id.
+fn named(id: &str) -> Option<&'static Of<Pen>> {
+    super::ACTIONS.iter().copied().flatten().find(|action| action.id == id)
+}
+
+/// An action to press, lit while it is on.
+fn act(ui: &mut Ui, on: bool, id: &'static str, out: &mut Vec<Event>) {
+    if let Some(action) = named(id)
+        && theme::choice(ui, on, action.label).on_hover_text(action.tip).clicked()
+    {
+        out.push(Event::Act(id));
+    }
+}
+
+/// A pressure curve whose two inner points are dragged.
+fn curve(ui: &mut Ui, curve: &mut Curve) {
+    let (response, painter) = ui.allocate_painter(Vec2::splat(120.0), Sense::click_and_drag());
+    let rect = response.rect.shrink(8.0);
+    let on = |(x, y): (f32, f32)| rect.left_bottom() + Vec2::new(x, -y) * rect.size();
+    let off = |p: Pos2| {
+        let v = (p - rect.left_bottom()) / rect.size();
+        (v.x.clamp(0.0, 1.0), (-v.y).clamp(0.0, 1.0))
+    };
+    let response =
+        response.on_hover_text("Pressure of the pen to the right, what becomes of it upwards.");
+    if let Some(p) = response.interact_pointer_pos() {
+        // A drag keeps the point that it took.
+        let id = response.id;
+        if response.drag_started() || response.clicked() {
+            let light = on(curve.light).distance(p) < on(curve.heavy).distance(p);
+            ui.data_mut(|data| data.insert_temp(id, light));
+        }
+        let light = ui.data(|data| data.get_temp(id)).unwrap_or(true);
+        *(if light { &mut curve.light } else { &mut curve.heavy }) = off(p);
+    }
+    painter.rect_filled(response.rect, 3.0, theme::SUNKEN);
+    let line = (0..=48).map(|k| k as f32 / 48.0).map(|x| on((x, curve.at(x)))).collect();
+    for (end, inner) in [((0.0, 0.0), curve.light), ((1.0, 1.0), curve.heavy)] {
+        painter.line_segment([on(end), on(inner)], Stroke::new(1.0, theme::LINE));
+    }
+    painter.add(Shape::line(line, Stroke::new(2.0, theme::ACCENT)));
+    for inner in [curve.light, curve.heavy] {
+        painter.circle(on(inner), 4.0, Color32::WHITE, Stroke::new(1.0, theme::GROUND));
+    }
+}
+
+/// The pressures of a touch, from its begin to its end.
+fn strip(ui: &mut Ui, pressures: &[f32]) {
+    let size = Vec2::new(ui.available_width(), 48.0);
+    let (response, painter) = ui.allocate_painter(size, Sense::hover());
+    let rect = response.rect;
+    painter.rect_filled(rect, 3.0, theme::SUNKEN);
+    let step = rect.width() / (pressures.len().max(2) - 1) as f32;
+    let at = |(i, p): (usize, &f32)| {
+        Pos2::new(rect.left() + step * i as f32, rect.bottom() - p * rect.height())
+    };
+    let line: Vec<Pos2> = pressures.iter().enumerate().map(at).collect();
+    for pair in line.windows(2) {
+        let below = |p: Pos2| Pos2::new(p.x, rect.bottom());
+        let filled = vec![pair[0], pair[1], below(pair[1]), below(pair[0])];
+        painter.add(Shape::convex_polygon(filled, theme::SELECTED, Stroke::NONE));
+        painter.line_segment([pair[0], pair[1]], Stroke::new(1.5, theme::ACCENT));
+    }
+}

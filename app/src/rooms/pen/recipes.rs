@@ -1,0 +1,389 @@
+//! Recipes: templates that are put onto the head at hand and taken apart, in one undo step: plain nodes, to go on from.
+//!
+//! Seeds follow on those that the document has, so that the same recipe twice is not the same hair twice. Who wants what can be upgraded
+//! takes the template itself.
+
+use super::target;
+use crate::library;
+use coif_graphs::document::edit::{Edit, between};
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups};
+use coif_graphs::grooms;
+use coif_graphs::template::{self, Place};
+use coif_nodes::define::Value;
+use std::sync::Arc;
+
+/// A recipe.
+pub(crate) struct Recipe {
+    /// The template that it puts in, of those that come with coif.
+    pub(crate) template: &'static str,
+    /// What menus say.
+    pub(crate) label: &'static str,
+    /// What it makes.
+    pub(crate) tip: &'static str,
+    /// The action that makes it.
+    pub(crate) action: &'static str,
+    /// What the pen draws.
+    pub(crate) draws: Draws,
+    /// The kind of node that is selected then; else what is drawn into, or the colour of the hair.
+    selects: Option<&'static str>,
+}
+
+/// What the pen draws into a recipe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Draws {
+    /// Strokes that lie on the scalp.
+    Rows,
+    /// Strokes that hang in space.
+    Free,
+    /// Hair, by gestures.
+    Hair,
+    /// Nothing: the hair is there.
+    Nothing,
+}
+
+/// All recipes: first those to draw into.
+pub(crate) const ALL: [Recipe; 14] = [
+    Recipe {
+        template: "sketch_hair",
+        label: "Sketch hair",
+        tip: "Draw hair on the head: press and draw to plant a cluster, lightly on from its tip, over hair to comb it.",
+        action: "recipe.sketch_hair",
+        draws: Draws::Hair,
+        selects: None,
+    },
+    Recipe {
+        template: "draw_cornrows",
+        label: "Cornrows",
+        tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
+        action: "recipe.cornrows",
+        draws: Draws::Rows,
+        selects: None,
+    },
+    Recipe {
+        template: "flat_twists",
+        label: "Flat twists",
+        tip: "Draw rows on the head; each becomes two strands turned about each other.",
+        action: "recipe.flat_twists",
+        draws: Draws::Rows,
+        selects: None,
+    },
+    Recipe {
+        template: "draw_box_braids",
+        label: "Box braids",
+        tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
+        action: "recipe.box_braids",
+        draws: Draws::Free,
+        selects: None,
+    },
+    Recipe {
+        template: "draw_two_strand_twists",
+        label: "Two-strand twists",
+        tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
+        action: "recipe.two_strand_twists",
+        draws: Draws::Free,
+        selects: None,
+    },
+    Recipe {
+        template: "locks",
+        label: "Locks",
+        tip: "Draw locks in space, from the root on the scalp to the tip; each is filled with hair.",
+        action: "recipe.locks",
+        draws: Draws::Free,
+        selects: None,
+    },
+    Recipe {
+        template: "long_straight",
+        label: "Long straight",
+        tip: "Long hair, parted in the middle and cut to one length.",
+        action: "recipe.long_straight",
+        draws: Draws::Nothing,
+        selects: None,
+    },
+    Recipe {
+        template: "bob",
+        label: "Bob with a side parting",
+        tip: "Cut level at the jaw and parted at the side.",
+        action: "recipe.bob",
+        draws: Draws::Nothing,
+        selects: None,
+    },
+    Recipe {
+        template: "waves",
+        label: "Waves",
+        tip: "Shoulder-length waves with a side parting, in locks of many sizes.",
+        action: "recipe.waves",
+        draws: Draws::Nothing,
+        selects: None,
+    },
+    Recipe {
+        template: "fringe",
+        label: "Fringe",
+        tip: "Hair from a wedge above the forehead, combed forward and cut level over the brows.",
+        action: "recipe.fringe",
+        draws: Draws::Nothing,
+        selects: None,
+    },
+    Recipe {
+        template: "pony_tail",
+        label: "Pony tail",
+        tip: "Combed from everywhere into a tie at the back, with a lock wound round the band.",
+        action: "recipe.pony_tail",
+        draws: Draws::Nothing,
+        selects: Some("gather"),
+    },
+    Recipe {
+        template: "puff",
+        label: "Puff",
+        tip: "A round puff at the back of the crown, in coils. Drag its handle to move it.",
+        action: "recipe.puff",
+        draws: Draws::Nothing,
+        selects: Some("gather"),
+    },
+    Recipe {
+        template: "afro",
+        label: "Afro",
+        tip: "Kinks picked out and cut round.",
+        action: "recipe.afro",
+        draws: Draws::Nothing,
+        selects: None,
+    },
+    Recipe {
+        template: "short_back_and_sides",
+        label: "Short back and sides",
+        tip: "Clipped at the back and over the ears, longer on top and combed forward.",
+        action: "recipe.short_back_and_sides",
+        draws: Draws::Nothing,
+        selects: None,
+    },
+];
+
+/// A recipe as it is put into a document.
+pub(crate) struct Made {
+    /// The node that the pen draws into; where it draws nothing, the one to be selected.
+    pub(crate) node: NodeId,
+    /// All of it.
+    pub(crate) edits: Vec<Edit>,
+}
+
+impl Recipe {
+    /// Whether the pen is to draw it.
+    pub(crate) fn is_drawn(&self) -> bool {
+        self.draws != Draws::Nothing
+    }
+
+    /// The edits of the recipe. Its head is the one at hand, where the document has one; rows are drawn into `strokes`, when
+    /// nothing takes from it yet. `mirror`: what is drawn is drawn on both sides.
+    ///
+    /// # Errors
+    /// Why it cannot be made, for people.
+    pub(crate) fn edits(
+        &self,
+        document: &Document,
+        strokes: Option<&NodeId>,
+        mirror: bool,
+    ) -> Result<Made, String> {
+        let found = grooms::TEMPLATES.iter().find(|(name, _)| *name == self.template);
+        let (_, text) = found.ok_or("it does not come with this version")?;
+        let template = library::shipped(text)?.document;
+        let drawn = strokes.filter(|_| self.draws == Draws::Rows);
+        // Where it stands in its own file, until all of it is moved.
+        let at = template::group_of(&template)?;
+        let at = Some(template.layout.get(at).copied().unwrap_or_default());
+        let added = template::add(document, &template, Place { drawn, at, ..Place::default() })?;
+        let mut grouped = document.clone();
+        added.edit.apply(&mut grouped).map_err(|err| err.to_string())?;
+        let (mut plain, _) = groups::ungroup(&grouped, &added.id)?;
+        let after = last_seed(document);
+        let is_new = |id: &NodeId| !document.nodes.contains_key(id);
+        for (id, node) in plain.nodes.iter_mut().filter(|(id, _)| is_new(id)) {
+            let node = Arc::make_mut(node);
+            match added.draws.as_ref() == Some(id) {
+                true => drop(node.inputs.remove("seed")),
+                false => follow(node, after),
+            }
+        }
+        move_under(document, &mut plain, &template);
+        let seed = graph::free_seed(&plain);
+        if let Some(node) = added.draws.as_ref().and_then(|id| plain.nodes.get_mut(id)) {
+            let node = Arc::make_mut(node);
+            node.inputs.entry("seed".to_owned()).or_insert(Setting::Known(Value::Int(seed)));
+            if mirror && self.draws != Draws::Hair {
+                let both = Setting::Known(Value::Text("both".into()));
+                node.inputs.insert("mirror".to_owned(), both);
+            }
+        }
+        let kind = |id: &NodeId, kind: &str| plain.nodes[id].kind == kind;
+        let outputs =
+            plain.links.iter().filter(|(to, _)| is_new(&to.node) && kind(&to.node, "groom_output"));
+        let hair = outputs.flat_map(|(_, from)| from).find(|from| kind(&from.node, "hair_colour"));
+        let hair = hair.map(|from| from.node.clone()).ok_or("it gives no hair")?;
+        let selected = self.selects.and_then(|kind_of| {
+            plain.nodes.keys().find(|id| is_new(id) && kind(id, kind_of)).cloned()
+        });
+        let node = selected.or(added.draws).unwrap_or(hair.clone());
+        // With other hair all outputs are shown, or the one would hide the other.
+        let rest = document.nodes.values().any(|node| node.kind == "groom_output");
+        let show = (!rest).then_some(hair);
+        plain.display = None;
+        Ok(Made { node, edits: vec![between(document, &plain), Edit::SetDisplay(show)] })
+    }
+}
+
+/// Moves what is new: its head onto the head at hand, but under everything else that is there.
+fn move_under(document: &Document, plain: &mut Document, template: &Document) {
+    let head = |of: &Document| of.layout.get(&graph::head_at_hand(of)?).copied();
+    let (from, to) = (head(template).unwrap_or_default(), head(document).unwrap_or_default());
+    let is_new = |id: &NodeId| !document.nodes.contains_key(id);
+    let known = graph::head_at_hand(document);
+    let beside = |id: &NodeId| id.group().is_none() && known.as_ref() != Some(id);
+    let theirs = document.layout.iter().filter(|(id, _)| beside(id)).map(|(_, at)| at.1);
+    let new = plain.layout.iter().filter(|(id, _)| is_new(id)).map(|(_, at)| at.1);
+    let by = to.1 - from.1;
+    let down = match (theirs.reduce(f32::max), new.reduce(f32::min)) {
+        (Some(lowest), Some(top)) => by.max(lowest + target::STEP.1 - top),
+        _ => by,
+    };
+    let moved = |at: &mut Point| *at = Point(at.0 + to.0 - from.0, at.1 + down);
+    plain.layout.iter_mut().filter(|(id, _)| is_new(id)).for_each(|(_, at)| moved(at));
+    let bends = plain.bends.iter_mut().filter(|(to, _)| is_new(&to.node));
+    bends.flat_map(|(_, wires)| wires).flatten().for_each(moved);
+}
+
+fn seed_of(node: &Node) -> Option<i64> {
+    match node.inputs.get("seed") {
+        Some(Setting::Known(Value::Int(seed))) => Some(*seed),
+        _ => None,
+    }
+}
+
+fn last_seed(document: &Document) -> i64 {
+    document.nodes.values().filter_map(|node| seed_of(node)).max().unwrap_or(0).max(0)
+}
+
+/// Where a document ended with its seeds a recipe goes on.
+fn follow(node: &mut Node, after: i64) {
+    if let Some(seed) = seed_of(node) {
+        let seed = Value::Int(seed.saturating_add(after));
+        node.inputs.insert("seed".to_owned(), Setting::Known(seed));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::event::Event;
+    use crate::rooms::pen::tests::{Table, draw_on, head, row};
+    use egui::Pos2;
+    use std::collections::BTreeSet;
+
+    fn table_with(recipe: &Recipe) -> Table {
+        let mut table = draw_on(head());
+        table.editor().act(recipe.action);
+        assert_eq!(table.done(), 1, "{}", recipe.label);
+        let problems = coif_graphs::document::graph::check(&table.editor().state.document);
+        assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
+        table
+    }
+
+    #[test]
+    fn recipes_are_templates_and_those_to_draw_bring_what_is_drawn_into() {
+        for recipe in &ALL {
+            let text = grooms::TEMPLATES.iter().find(|(name, _)| *name == recipe.template);
+            let template = library::shipped(text.unwrap().1).unwrap().document;
+            let added = template::add(&head(), &template, Place::default()).unwrap();
+            assert_eq!(added.draws.is_some(), recipe.is_drawn(), "{}", recipe.label);
+        }
+    }
+
+    #[test]
+    fn recipes_are_one_step_of_plain_nodes_and_a_row_drawn_is_a_braid() {
+        for recipe in ALL.iter().filter(|recipe| recipe.is_drawn()) {
+            let mut table = table_with(recipe);
+            // Hair is planted with a heavy hand.
+            let hair = recipe.draws == Draws::Hair;
+            let row: Vec<(Pos2, f32)> =
+                row(300.0).into_iter().map(|(at, p)| (at, if hair { 0.9 } else { p })).collect();
+            table.draw(&row);
+            table.rest();
+            while table.editor().pen.hair.is_busy() {
+                table.rest();
+            }
+            assert_eq!(table.done(), 2, "{}", recipe.label);
+            let shown = table.editor().state.shown.clone().expect("a result");
+            let count = shown.curves.curve_count();
+            assert!(count > 50, "{}: {count}", recipe.label);
+            table.editor().apply(Event::Undo);
+            table.editor().apply(Event::Undo);
+            assert_eq!(table.editor().state.document, head());
+        }
+    }
+
+    #[test]
+    fn loose_hair_is_there_in_one_step_with_its_colour_selected() {
+        let mut table = table_with(&ALL[13]);
+        table.rest();
+        let shown = table.editor().state.shown.clone().expect("a result");
+        assert!(shown.curves.curve_count() > 5000, "{}", shown.curves.curve_count());
+        let state = &table.editor().state;
+        let active = state.active().and_then(|id| state.document.node(id.as_str()));
+        assert_eq!(active.map(|node| node.kind.as_str()), Some("hair_colour"));
+        table.editor().apply(Event::Undo);
+        assert_eq!(table.editor().state.document, head());
+        for recipe in ALL.iter().filter(|recipe| !recipe.is_drawn()) {
+            let made = recipe.edits(&head(), None, false).expect(recipe.label);
+            let mut document = head();
+            Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
+            let problems = coif_graphs::document::graph::check(&document);
+            assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
+            let output = document.links.iter().find(|(to, _)| to.node.as_str() == "out").unwrap();
+            assert_eq!(document.display, Some(output.1[0].node.clone()), "{}", recipe.label);
+            let active = document.node(made.node.as_str()).map(|node| node.kind.as_str());
+            let tied = recipe.selects.is_some();
+            assert_eq!(active, Some(if tied { "gather" } else { "hair_colour" }));
+            let kinds: Vec<&str> = document.nodes.values().map(|node| node.kind.as_str()).collect();
+            for kind in ["hair_colour", "head"] {
+                let count = kinds.iter().filter(|it| **it == kind).count();
+                assert_eq!(count, 1, "{}: {kind}", recipe.label);
+            }
+            assert!(!kinds.contains(&"group"), "{}: plain nodes", recipe.label);
+        }
+    }
+
+    #[test]
+    fn a_second_recipe_shows_beside_the_first_on_the_same_head_and_has_seeds_of_its_own() {
+        let mut document = head();
+        let bob = &ALL[7];
+        for recipe in [bob, bob, &ALL[9]] {
+            let made = recipe.edits(&document, None, false).unwrap();
+            Edit::Several(made.edits).apply(&mut document).unwrap();
+        }
+        assert_eq!(document.display, None, "all outputs are shown");
+        let count = |kind: &str| document.nodes.values().filter(|node| node.kind == kind).count();
+        assert_eq!((count("head"), count("groom_output")), (1, 3));
+        let seeds: Vec<i64> = document.nodes.values().filter_map(|node| seed_of(node)).collect();
+        assert_eq!(seeds.len(), seeds.iter().collect::<BTreeSet<_>>().len(), "{seeds:?}");
+        let places: BTreeSet<String> =
+            document.layout.values().map(|at| format!("{at:?}")).collect();
+        assert_eq!(places.len(), document.layout.len(), "no node lies on another");
+        // A document without a head gets the recipe's own.
+        let made = bob.edits(&Document::default(), None, false).unwrap();
+        let mut document = Document::default();
+        Edit::Several(made.edits).apply(&mut document).unwrap();
+        assert_eq!(document.nodes.values().filter(|node| node.kind == "head").count(), 1);
+    }
+
+    #[test]
+    fn rows_are_drawn_into_idle_strokes_and_on_both_sides_where_the_pen_does() {
+        let document = head();
+        let (strokes, edits) =
+            target::make(&document, target::Fresh { free: false, mirror: false }).unwrap();
+        let mut document = document;
+        Edit::Several(edits).apply(&mut document).unwrap();
+        let rows = ALL[1].edits(&document, Some(&strokes), false).unwrap();
+        assert_eq!(rows.node, strokes);
+        let fresh = ALL[1].edits(&head(), None, true).unwrap();
+        let mut document = head();
+        Edit::Several(fresh.edits).apply(&mut document).unwrap();
+        assert_eq!(target::choice(&document, &fresh.node, "mirror").as_deref(), Some("both"));
+    }
+}

@@ -1,0 +1,436 @@
+//! What can be done with the view by name.
+
+use super::navigation::{FOCALS, with_focal, with_parallel_rays};
+use super::select::names;
+use super::{Step, Viewport};
+use crate::core::action::{Action, Can, Of, always};
+use crate::core::event::Event;
+use crate::core::room::Room;
+use crate::core::state::{Select, State};
+use crate::core::visibility::Visibility;
+use crate::scene::SHOWS;
+use coif_graphs::document::NodeId;
+use coif_graphs::document::graph::upstream;
+use egui::Vec2;
+use std::collections::BTreeSet;
+
+/// Degrees that a key turns by.
+const TURN: f32 = 15.0;
+/// Part of the picture that a key moves it by.
+const SHIFT: f32 = 0.1;
+/// What a key scales the distance by.
+const ZOOM: f32 = 0.8;
+/// Stops that a key makes it brighter by.
+const STOP: f32 = 0.5;
+
+/// The action of a named view.
+pub(super) fn view_action(name: &str) -> &'static str {
+    let found =
+        ACTIONS.iter().find(|a| a.id.strip_prefix("view.from_") == Some(&name.replace('-', "_")));
+    found.map_or("view.frame_all", |action| action.id)
+}
+
+fn something_shown(_: &Viewport, state: &State) -> Can {
+    state.shown.as_ref().map(|_| ()).ok_or("nothing is displayed")
+}
+
+fn curves_selected(_: &Viewport, state: &State) -> Can {
+    match state.selection.curves.is_empty() {
+        true => Err("no curve is selected"),
+        false => Ok(()),
+    }
+}
+
+fn a_head(_: &Viewport, state: &State) -> Can {
+    let shown = state.shown.as_ref();
+    match shown.is_some_and(|shown| !shown.scalps.is_empty()) {
+        true => Ok(()),
+        false => Err("no head is displayed"),
+    }
+}
+
+/// The names by which the selected curves are hidden or alone: their own.
+fn selected(state: &State) -> BTreeSet<u64> {
+    state.selection.curves.clone()
+}
+
+macro_rules! view {
+    ($id:literal, $name:literal, $label:literal) => {
+        Action {
+            id: $id,
+            label: $label,
+            tip: "Looks at the head from here, with all hair in the picture; close-ups look at this place.",
+            words: "camera view look from",
+            menu: "View",
+            when: something_shown,
+            run: |viewport, state, _| viewport.look_from($name, state),
+        }
+    };
+}
+
+macro_rules! toggle {
+    ($id:literal, $label:literal, $tip:literal, $words:literal, $field:ident) => {
+        Action {
+            id: $id,
+            label: $label,
+            tip: $tip,
+            words: $words,
+            menu: "View",
+            when: always,
+            run: |viewport, _, _| {
+                let options = &mut viewport.options;
+                options.$field = !options.$field;
+            },
+        }
+    };
+}
+
+macro_rules! key_step {
+    ($id:literal, $label:literal, $step:expr) => {
+        Action {
+            id: $id,
+            label: $label,
+            tip: "Moves the eye a little.",
+            words: "orbit pan zoom keyboard view",
+            menu: "",
+            when: always,
+            run: |viewport, state, _| viewport.step(state, state.now, $step),
+        }
+    };
+}
+
+/// The room's part of the table.
+pub(crate) const ACTIONS: &[Of<Viewport>] = &[
+    Action {
+        id: "view.frame_selected",
+        label: "Frame selected",
+        tip: "Fills the picture with the selected curves, else with what the active node gives.",
+        words: "focus zoom fit look at",
+        menu: "View",
+        when: something_shown,
+        run: |viewport, state, _| viewport.frame_selected(state),
+    },
+    Action {
+        id: "view.frame_head",
+        label: "Frame the head",
+        tip: "Fills the picture with skull and face.",
+        words: "focus zoom fit look at skull",
+        menu: "View",
+        when: a_head,
+        run: |viewport, state, _| viewport.frame_heads(state),
+    },
+    Action {
+        id: "view.frame_all",
+        label: "Frame all",
+        tip: "Fills the picture with everything.",
+        words: "focus zoom fit home",
+        menu: "View",
+        when: something_shown,
+        run: |viewport, state, _| viewport.frame_all(state),
+    },
+    Action {
+        id: "view.back",
+        label: "View before",
+        tip: "Looks from where the eye rested before. No undo step.",
+        words: "previous camera back",
+        menu: "View",
+        when: |viewport, _| if viewport.ways().0 { Ok(()) } else { Err("there is none before") },
+        run: |viewport, _, _| viewport.go(false),
+    },
+    Action {
+        id: "view.forward",
+        label: "View after",
+        tip: "Goes forward again through the views.",
+        words: "next camera forward",
+        menu: "View",
+        when: |viewport, _| if viewport.ways().1 { Ok(()) } else { Err("there is none after") },
+        run: |viewport, _, _| viewport.go(true),
+    },
+    view!("view.from_front", "front", "From the front"),
+    view!("view.from_left", "left", "From the left"),
+    view!("view.from_right", "right", "From the right"),
+    view!("view.from_back", "back", "From the back"),
+    view!("view.from_top", "top", "From above"),
+    view!("view.from_under", "under", "From below"),
+    view!("view.from_three_quarter", "three-quarter", "Three quarters"),
+    view!("view.from_crown", "crown", "Close to the crown"),
+    view!("view.from_nape", "nape", "Close to the nape"),
+    view!("view.from_hairline", "hairline", "Close to the hairline"),
+    view!("view.from_temple_left", "temple-left", "Close to the left temple"),
+    view!("view.from_temple_right", "temple-right", "Close to the right temple"),
+    Action {
+        id: "view.orthographic",
+        label: "Parallel rays",
+        tip: "With perspective, or without: what is looked at keeps its size.",
+        words: "orthographic perspective flat isometric",
+        menu: "View",
+        when: always,
+        run: |viewport, _, _| {
+            let camera = *viewport.camera();
+            let flat = camera.orthographic.is_some();
+            viewport.look(with_parallel_rays(&camera, !flat));
+        },
+    },
+    Action {
+        id: "view.longer_lens",
+        label: "Longer lens",
+        tip: "A longer focal length from farther away; what is looked at keeps its size.",
+        words: "focal length zoom lens telephoto",
+        menu: "View",
+        when: |viewport, _| lens(viewport, 1.25),
+        run: |viewport, _, _| set_lens(viewport, 1.25),
+    },
+    Action {
+        id: "view.shorter_lens",
+        label: "Shorter lens",
+        tip: "A shorter focal length from nearer; what is looked at keeps its size.",
+        words: "focal length wide angle lens",
+        menu: "View",
+        when: |viewport, _| lens(viewport, 0.8),
+        run: |viewport, _, _| set_lens(viewport, 0.8),
+    },
+    Action {
+        id: "view.groom",
+        label: "Groom display",
+        tip: "Plain colours with the same shadows whatever the pigment, and back to what was shown.",
+        words: "grey clay colours show hair",
+        menu: "View",
+        when: always,
+        run: |viewport, _, _| viewport.options.toggle_groom(),
+    },
+    Action {
+        id: "view.next_show",
+        label: "Next colours",
+        tip: "Shows the next of hair, groom colours, guides, clusters and heat maps.",
+        words: "cycle display mode heat map",
+        menu: "View",
+        when: always,
+        run: |viewport, _, _| {
+            let options = &mut viewport.options;
+            let at = SHOWS.iter().position(|mode| mode.name == options.show).unwrap_or(0);
+            SHOWS[(at + 1) % SHOWS.len()].name.clone_into(&mut options.show);
+        },
+    },
+    Action {
+        id: "view.brighter",
+        label: "Brighter",
+        tip: "Half a stop more exposure.",
+        words: "exposure light gain",
+        menu: "View",
+        when: always,
+        run: |viewport, _, _| viewport.options.expose(STOP),
+    },
+    Action {
+        id: "view.darker",
+        label: "Darker",
+        tip: "Half a stop less exposure.",
+        words: "exposure light gain",
+        menu: "View",
+        when: always,
+        run: |viewport, _, _| viewport.options.expose(-STOP),
+    },
+    toggle!(
+        "view.head",
+        "Show or hide the head",
+        "Shows the head, or only hair.",
+        "skin scalp bust",
+        head
+    ),
+    toggle!(
+        "view.guides",
+        "Guides over the picture",
+        "The curves that hair follows, as lines.",
+        "overlay curves",
+        guides
+    ),
+    toggle!(
+        "view.partings",
+        "Partings over the picture",
+        "Lines on the skin between hair of different braids or curves.",
+        "overlay sections",
+        partings
+    ),
+    toggle!(
+        "view.roots",
+        "Roots over the picture",
+        "A dot where each hair grows.",
+        "overlay follicles",
+        roots
+    ),
+    toggle!(
+        "view.handles",
+        "Handles over the picture",
+        "What of the active node can be dragged in the viewport.",
+        "gizmo manipulator",
+        handles
+    ),
+    Action {
+        id: "view.isolate",
+        label: "Isolate",
+        tip: "Only the selected curves are shown; again shows all. The result stays as it is.",
+        words: "solo alone local view",
+        menu: "View",
+        when: |viewport, state| match state.visibility.alone.is_empty() {
+            true => curves_selected(viewport, state),
+            false => Ok(()),
+        },
+        run: |_, state, out| {
+            let alone = match state.visibility.alone.is_empty() {
+                true => selected(state),
+                false => BTreeSet::new(),
+            };
+            out.push(Event::Visibility(Visibility { alone, ..state.visibility.clone() }));
+        },
+    },
+    Action {
+        id: "view.hide",
+        label: "Hide",
+        tip: "The selected curves are not shown. The result stays as it is.",
+        words: "invisible eye",
+        menu: "View",
+        when: curves_selected,
+        run: |_, state, out| {
+            let mut visibility = state.visibility.clone();
+            visibility.hidden.extend(selected(state));
+            out.push(Event::Visibility(visibility));
+            out.push(Event::Select(Select::Curves(BTreeSet::new())));
+        },
+    },
+    Action {
+        id: "view.show_all",
+        label: "Show all",
+        tip: "Nothing is hidden or alone any more.",
+        words: "unhide reveal visible",
+        menu: "View",
+        when: |_, state| match state.visibility.shows_all() {
+            true => Err("nothing is hidden"),
+            false => Ok(()),
+        },
+        run: |_, state, out| {
+            let locked = state.visibility.locked.clone();
+            out.push(Event::Visibility(Visibility { locked, ..Visibility::default() }));
+        },
+    },
+    Action {
+        id: "view.lock",
+        label: "Lock",
+        tip: "The pen does not touch the selected curves; again unlocks them.",
+        words: "protect freeze",
+        menu: "View",
+        when: curves_selected,
+        run: |_, state, out| {
+            let ids = selected(state);
+            let mut locked = state.visibility.locked.clone();
+            if ids.iter().all(|id| locked.contains(id)) {
+                ids.iter().for_each(|id| {
+                    locked.remove(id);
+                });
+            } else {
+                locked.extend(ids);
+            }
+            out.push(Event::Visibility(Visibility { locked, ..state.visibility.clone() }));
+        },
+    },
+    Action {
+        id: "view.select_kin",
+        label: "Select with its kin",
+        tip: "Selects all hair of the braids, or of the curves, that the selected hair belongs to.",
+        words: "grow selection braid cluster similar",
+        menu: "View",
+        when: curves_selected,
+        run: |_, state, out| {
+            let Some(shown) = &state.shown else { return };
+            let ids = selected(state);
+            let kin = |n: [u64; 3]| n.into_iter().skip(1).rfind(|name| *name != 0);
+            let all = || shown.curves.each().map(|(tuft, i)| names(tuft, i));
+            let owners: BTreeSet<u64> =
+                all().filter(|n| ids.contains(&n[0])).filter_map(kin).collect();
+            let more = all().filter(|n| kin(*n).is_some_and(|owner| owners.contains(&owner)));
+            let more = ids.iter().copied().chain(more.map(|n| n[0])).collect();
+            out.push(Event::Select(Select::Curves(more)));
+        },
+    },
+    Action {
+        id: "view.select_node",
+        label: "Go to its node",
+        tip: "Shows the node that made the hair that was clicked last.",
+        words: "maker source canvas find reveal",
+        menu: "View",
+        when: |viewport, state| match state.active() {
+            Some(_) => curves_selected(viewport, state),
+            None => Err("it is not known which node made it"),
+        },
+        run: |_, _, out| {
+            out.push(Event::Show(Room::Canvas));
+            out.push(Event::Act("canvas.fit_selection"));
+        },
+    },
+    Action {
+        id: "view.what_made",
+        label: "What made this hair",
+        tip: "Finds the nodes, strokes and gestures without which the hair would be another, by switching them off one after the other; \
+              the messages list them.",
+        words: "trace provenance where from why source stroke gesture origin debug",
+        menu: "View",
+        when: |viewport, state| {
+            something_shown(viewport, state).and_then(|()| curves_selected(viewport, state))
+        },
+        run: |viewport, state, out| {
+            let meant = viewport.hair_meant(&state.selection.curves);
+            out.extend(meant.into_iter().map(Event::WhatMade));
+        },
+    },
+    Action {
+        id: "view.reveal",
+        label: "Show in the outliner",
+        tip: "Scrolls the outliner to the braid or cluster that the selected hair belongs to.",
+        words: "reveal find tree list braid",
+        menu: "View",
+        when: curves_selected,
+        run: |_, _, out| {
+            out.push(Event::Reveal);
+            out.push(Event::Show(Room::Outliner));
+        },
+    },
+    Action {
+        id: "view.select_head",
+        label: "Select the head's node",
+        tip: "Selects the node that gives the head, for the inspector.",
+        words: "scalp bust mesh",
+        menu: "View",
+        when: a_head,
+        run: |_, state, out| {
+            let document = &state.document;
+            let shown = state.shown.iter().flat_map(|shown| &shown.sockets);
+            let way = upstream(document, shown.map(|socket| &socket.node));
+            let is_head =
+                |id: &&NodeId| document.node(id.as_str()).is_some_and(|n| n.kind == "head");
+            if let Some(head) = way.iter().find(is_head) {
+                out.push(Event::Select(Select::Nodes(vec![head.clone()])));
+            }
+        },
+    },
+    key_step!("view.orbit_left", "Orbit left", Step::Orbit { around: -TURN, over: 0.0 }),
+    key_step!("view.orbit_right", "Orbit right", Step::Orbit { around: TURN, over: 0.0 }),
+    key_step!("view.orbit_up", "Orbit up", Step::Orbit { around: 0.0, over: TURN }),
+    key_step!("view.orbit_down", "Orbit down", Step::Orbit { around: 0.0, over: -TURN }),
+    key_step!("view.pan_left", "Pan left", Step::Pan(Vec2::new(-SHIFT, 0.0))),
+    key_step!("view.pan_right", "Pan right", Step::Pan(Vec2::new(SHIFT, 0.0))),
+    key_step!("view.pan_up", "Pan up", Step::Pan(Vec2::new(0.0, -SHIFT))),
+    key_step!("view.pan_down", "Pan down", Step::Pan(Vec2::new(0.0, SHIFT))),
+    key_step!("view.closer", "Closer", Step::Zoom(ZOOM)),
+    key_step!("view.farther", "Farther", Step::Zoom(1.0 / ZOOM)),
+];
+
+fn lens(viewport: &Viewport, factor: f32) -> Can {
+    let wanted = viewport.camera().focal_mm * factor;
+    match (FOCALS.0 * 0.99..=FOCALS.1 * 1.01).contains(&wanted) {
+        true => Ok(()),
+        false => Err("there are no such lenses"),
+    }
+}
+
+fn set_lens(viewport: &mut Viewport, factor: f32) {
+    let camera = *viewport.camera();
+    viewport.look(with_focal(&camera, camera.focal_mm * factor));
+}

@@ -1,0 +1,461 @@
+//! The viewport: the groom as it is, drawn beside the window, and the hands that turn it.
+//!
+//! Pictures come from a thread of their own ([`drawing`]); the window only puts the newest one on the screen. What one looks
+//! at, and from where, is never part of a groom.
+//!
+//! Guaranteed: a frame never waits for a picture; without a graphics adapter everything else works, and the viewport says
+//! why it is empty.
+
+pub mod actions;
+mod chrome;
+pub mod drawing;
+mod eye;
+mod handles;
+pub mod input;
+mod menu;
+pub mod navigation;
+pub mod options;
+mod overlay;
+mod painter;
+pub mod select;
+pub mod status;
+mod under;
+
+pub use eye::Step;
+
+use crate::core::event::Event;
+use crate::core::pen::Holds;
+use crate::core::projection::Projection;
+use crate::core::shown::Shown;
+use crate::core::state::State;
+use crate::feeders::feeders;
+use crate::scene::Show;
+use crate::scene::looks;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{SavedLook, Socket};
+use coif_nodes::data::curves::Curves;
+use coif_nodes::data::scalp::Scalp;
+use coif_nodes::define::Value;
+use coif_shaders::camera::PORTRAIT_FOCAL;
+use coif_shaders::{Camera, Look};
+use drawing::{Drawing, Drawn, HairHit, Picked, Wanted};
+use egui::{PointerButton, Pos2, Rect, Sense, TextureHandle, TextureOptions, Vec2};
+use glam::Vec3;
+use handles::Handles;
+use navigation::{Drag, Views};
+use options::Options;
+use overlay::Overlay;
+use painter::together;
+use select::Level;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::Instant;
+
+/// Longest side and number of pixels of a picture: larger windows are drawn a little softer.
+const LONGEST: f32 = 4096.0;
+const MOST_PIXELS: f32 = 6.0e6;
+/// Coverage of hair while the pen works on the skin under it.
+const SEE_THROUGH: f32 = 0.12;
+/// After a step of the view it still counts as moving, seconds.
+const CALM: f64 = 0.25;
+/// The pointer is taken to be where it was asked about within so many points.
+const NEAR: f32 = 6.0;
+
+/// The room.
+pub struct Viewport {
+    /// How the groom is looked at.
+    pub options: Options,
+    /// Light and skin as the groom has them, and as the options had them then.
+    look: Option<SavedLook>,
+    chosen: SavedLook,
+    /// What pictures cost, for the status line and tests.
+    pub stats: DrawStats,
+    /// What the pen has hold of, and is left alone here.
+    pub pen: Holds,
+    /// Whose hair is shown, where two documents are compared.
+    pub(crate) whose: Option<(String, egui::Color32)>,
+    camera: Camera,
+    views: Views,
+    /// Whether the eye was put somewhere for this groom.
+    framed: bool,
+    framing: Option<Receiver<Camera>>,
+    drawing: Option<Drawing>,
+    fault: Option<String>,
+    on_screen: Option<OnScreen>,
+    rect: Rect,
+    hovered: bool,
+    drag: Option<(PointerButton, Drag)>,
+    /// The view counts as moving until then, and came to rest when that is over.
+    moves_until: Option<f64>,
+    questions: u64,
+    question: Option<Question>,
+    under: Option<Under>,
+    /// The curve that was clicked last and how much of its kin is selected.
+    clicked: Option<Clicked>,
+    /// The hair that was clicked last, with either button.
+    meant: Option<u64>,
+    followed: Followed,
+    overlay: Overlay,
+    handles: Handles,
+    menu: menu::Menu,
+    /// The name that the next saved view gets.
+    view_name: String,
+    /// The first state of the open document.
+    born: u64,
+}
+
+/// What pictures cost.
+#[derive(Clone, Debug, Default)]
+pub struct DrawStats {
+    /// Pictures that came to the screen.
+    pub pictures: u64,
+    /// Milliseconds from a scene to its hair on the device, and to its first picture: the last ones.
+    pub uploaded_ms: f64,
+    /// Milliseconds from a scene to the picture on the screen.
+    pub drawn_ms: f64,
+    /// Milliseconds of the window's own thread to hand a picture to the display.
+    pub texture_ms: f64,
+    /// The document's state whose hair was first drawn last, when its hair was on the device, and when the picture was.
+    pub newest: Option<(u64, Instant, Instant)>,
+}
+
+/// The picture on the screen.
+struct OnScreen {
+    texture: TextureHandle,
+    drawn: Drawn,
+}
+
+/// Why it was asked what lies under the pointer.
+#[derive(Clone, Copy, PartialEq)]
+enum Purpose {
+    Hover,
+    /// Whether what is selected stays so.
+    Click {
+        more: bool,
+    },
+    /// The right button opens the menu.
+    Menu,
+}
+
+struct Question {
+    number: u64,
+    purpose: Purpose,
+    at: Pos2,
+}
+
+/// What lies under the pointer.
+struct Under {
+    at: Pos2,
+    camera: Camera,
+    picked: Picked,
+}
+
+struct Clicked {
+    hair: HairHit,
+    level: Level,
+    /// It is not known yet which node made it.
+    tracing: bool,
+}
+
+/// The curves that hair follows, of an evaluation.
+#[derive(Default)]
+struct Followed {
+    of: Option<Arc<Shown>>,
+    curves: Curves,
+}
+
+impl Default for Viewport {
+    fn default() -> Self {
+        Self {
+            options: Options::default(),
+            look: None,
+            chosen: Options::default().saved(),
+            stats: DrawStats::default(),
+            pen: Holds::default(),
+            whose: None,
+            hovered: false,
+            camera: Camera {
+                eye: Vec3::new(0.0, 4.0, 110.0),
+                target: Vec3::new(0.0, 2.0, 0.0),
+                up: Vec3::Y,
+                focal_mm: PORTRAIT_FOCAL,
+                orthographic: None,
+            },
+            views: Views::default(),
+            framed: false,
+            framing: None,
+            drawing: None,
+            fault: None,
+            on_screen: None,
+            rect: Rect::from_min_size(Pos2::ZERO, Vec2::new(900.0, 600.0)),
+            drag: None,
+            moves_until: None,
+            questions: 0,
+            question: None,
+            under: None,
+            clicked: None,
+            meant: None,
+            followed: Followed::default(),
+            overlay: Overlay::default(),
+            handles: Handles::default(),
+            menu: menu::Menu::default(),
+            view_name: String::new(),
+            born: 0,
+        }
+    }
+}
+
+impl Viewport {
+    /// Begins to draw on a thread of its own, which asks the context to repaint. Until then the room shows no picture.
+    pub fn start(&mut self, ctx: &egui::Context) {
+        let ctx = ctx.clone();
+        match Drawing::start(move || ctx.request_repaint()) {
+            Ok(drawing) => self.drawing = Some(drawing),
+            Err(why) => self.fault = Some(why),
+        }
+    }
+
+    /// Forgets the picture of a document that is gone, and what comes late of it: states before `born`.
+    pub(crate) fn forget(&mut self, born: u64) {
+        self.born = born;
+        self.on_screen = None;
+        (self.under, self.clicked, self.question) = (None, None, None);
+    }
+
+    /// Where it is seen from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Looks from elsewhere; back leads to where it was.
+    pub fn look(&mut self, camera: Camera) {
+        self.views.rest(&self.camera);
+        self.camera = camera;
+        self.views.rest(&camera);
+        self.framed = true;
+    }
+
+    /// The picture that is seen, for what is drawn over it and for what points at it.
+    pub fn projection(&self) -> Projection {
+        Projection::new(
+            self.on_screen.as_ref().map_or(self.camera, |s| s.drawn.wanted.camera),
+            self.rect,
+        )
+    }
+
+    /// Whether the pointer is over the picture itself and no widget on it, or drags it.
+    pub fn is_hovered(&self) -> bool {
+        self.hovered
+    }
+
+    /// Whether the pointer moves the eye now, and nothing else.
+    pub fn is_navigating(&self) -> bool {
+        self.drag.is_some()
+    }
+
+    /// Whether the picture at rest of what was asked for is on the screen.
+    pub fn is_idle(&self) -> bool {
+        self.drawing.as_ref().is_none_or(Drawing::is_idle)
+            && self.framing.is_none()
+            && !self.overlay.is_finding()
+    }
+
+    /// Why there is no picture.
+    pub fn fault(&self) -> Option<String> {
+        self.fault.clone().or_else(|| self.drawing.as_ref().and_then(Drawing::fault))
+    }
+
+    /// What lies under the pointer, where that is known.
+    pub fn under_pointer(&self) -> Option<&Picked> {
+        self.under.as_ref().map(|under| &under.picked)
+    }
+
+    /// Outputs that it needs besides what is displayed: what hair follows, where that is shown.
+    pub fn wants(&self, state: &State) -> Vec<Socket> {
+        let Some(shown) = &state.shown else { return vec![] };
+        let mut wanted = vec![];
+        let follows =
+            self.options.guides || matches!(self.options.shown(), Show::Guides | Show::Clusters);
+        if follows {
+            wanted.extend(feeders(&state.document, shown.sockets.iter().map(|s| &s.node)));
+        }
+        wanted
+    }
+
+    /// One frame of the room.
+    pub fn ui(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+        let rect = ui.available_rect_before_wrap();
+        self.rect = rect;
+        let response = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture of the groom")
+        });
+        self.hovered = response.hovered() || response.dragged();
+        self.follow_look(state, ui, out);
+        self.frame_first(state);
+        self.take_framing();
+        self.take_picture(ui.ctx());
+        self.take_answer(state, out);
+        self.find_maker(state, out);
+        self.navigate(state, ui, &response, out);
+        self.ask(state, ui);
+        self.paint(state, ui);
+        self.overlay_ui(state, ui, out);
+        chrome::ui(self, state, ui, out);
+        self.hover(state, ui, &response, out);
+        self.menu(state, ui, &response, out);
+    }
+
+    /// Opens the menu of what is under the pointer, for keys.
+    pub(crate) fn open_menu_by_key(&mut self) {
+        self.menu.by_key = true;
+    }
+
+    /// Light and skin are kept with the groom: what the groom says is shown, what was chosen becomes its own, once a hand that
+    /// drags has let go.
+    fn follow_look(&mut self, state: &State, ui: &egui::Ui, out: &mut Vec<Event>) {
+        if state.document.look != self.look {
+            self.look = state.document.look.clone();
+            self.options.take(self.look.as_ref());
+            self.chosen = self.options.saved();
+        } else if self.options.saved() != self.chosen && !ui.input(|input| input.pointer.any_down())
+        {
+            self.chosen = self.options.saved();
+            self.look = Some(self.chosen.clone());
+            out.push(Event::Edit(Edit::SetLook(self.look.clone())));
+        }
+    }
+
+    /// Asks for the picture of what is there now.
+    fn ask(&mut self, state: &State, ui: &egui::Ui) {
+        let Some(shown) = &state.shown else { return };
+        if !self.framed {
+            return;
+        }
+        let show = self.options.shown();
+        let followed = self.followed(state, shown);
+        let moving = state.drags_hair() || self.drag.is_some() || self.moves_until.is_some();
+        let through = if self.pen.skin { SEE_THROUGH } else { 1.0 };
+        let look = self.options.look();
+        let wanted = Wanted {
+            revision: shown.revision,
+            hair: shown.curves.clone(),
+            // Lines over the picture are none of the picture.
+            followed: if matches!(show, Show::Hair(_)) { Curves::default() } else { followed },
+            scalps: shown.scalps.clone(),
+            visibility: state.visibility.clone(),
+            show,
+            head: self.options.head,
+            skin: self.options.skin(),
+            files: files_of(state, shown),
+            rig: self.options.rig(),
+            exposure: self.options.exposure,
+            transform: self.options.transform(),
+            look: Look { opacity: look.opacity * through, ..look },
+            camera: self.camera,
+            size: pixels(self.rect.size(), ui.ctx().pixels_per_point()),
+            samples: state.settings.samples.clamp(1, 1024),
+            moving,
+        };
+        if let Some(drawing) = &mut self.drawing {
+            drawing.ask(wanted);
+        }
+    }
+
+    /// The curves that hair follows, as far as they were evaluated.
+    fn followed(&mut self, state: &State, shown: &Arc<Shown>) -> Curves {
+        let same = self.followed.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, shown));
+        if !same {
+            let sockets = feeders(&state.document, shown.sockets.iter().map(|s| &s.node));
+            let curves = sockets.iter().filter_map(|socket| shown.curves_of(socket).cloned());
+            self.followed = Followed { of: Some(shown.clone()), curves: together(curves) };
+        }
+        self.followed.curves.clone()
+    }
+
+    /// Puts the newest picture on the screen.
+    fn take_picture(&mut self, ctx: &egui::Context) {
+        let Some(drawn) = self.drawing.as_ref().and_then(Drawing::take) else { return };
+        if drawn.wanted.revision < self.born {
+            return;
+        }
+        let began = Instant::now();
+        let image = egui::ImageData::Color(drawn.image.clone());
+        let texture = match self.on_screen.take() {
+            Some(OnScreen { mut texture, .. }) => {
+                texture.set(image, TextureOptions::LINEAR);
+                texture
+            }
+            None => ctx.load_texture("picture of the groom", image, TextureOptions::LINEAR),
+        };
+        let stats = &mut self.stats;
+        stats.pictures += 1;
+        stats.texture_ms = began.elapsed().as_secs_f64() * 1e3;
+        stats.drawn_ms = drawn.ends.ms();
+        stats.uploaded_ms = (drawn.ends.uploaded - drawn.ends.began).as_secs_f64() * 1e3;
+        let revision = drawn.wanted.revision;
+        if stats.newest.is_none_or(|(newest, ..)| newest != revision) {
+            stats.newest = Some((revision, drawn.ends.uploaded, drawn.ends.drawn));
+        }
+        self.on_screen = Some(OnScreen { texture, drawn });
+    }
+
+    fn paint(&self, state: &State, ui: &egui::Ui) {
+        let painter = ui.painter_at(self.rect);
+        painter.rect_filled(self.rect, 0.0, crate::widgets::theme::SUNKEN);
+        let Some(OnScreen { texture, drawn }) = &self.on_screen else { return };
+        if state.shown.is_none() {
+            return;
+        }
+        // After a change of size the last picture keeps its shape until the next one comes.
+        let [width, height] = drawn.wanted.size.map(|n| n as f32);
+        let scale = self.rect.height() / height.max(1.0);
+        let place = Rect::from_center_size(self.rect.center(), Vec2::new(width, height) * scale);
+        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+        painter.image(texture.id(), place, whole, egui::Color32::WHITE);
+    }
+
+    fn overlay_ui(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+        let view = self.projection();
+        self.overlay.ui(state, &self.options, &self.followed.curves, &view, ui);
+        // Keys that turn the view leave grips alone.
+        let turning = self.drag.is_some() || self.primary_moves(state, ui);
+        let free = !turning && !self.pen.pointer;
+        if self.options.handles && (free || self.handles.is_dragging()) {
+            self.handles.ui(state, &view, self.options.head, ui, out);
+        }
+    }
+
+    /// What the picture is, in one line: for the metadata of saved pictures.
+    pub fn caption(&self, state: &State) -> String {
+        let facts = chrome::facts(self, state);
+        facts.map_or(String::new(), |facts| {
+            format!("{}; {}", facts.made(), chrome::names(self, state))
+        })
+    }
+}
+
+/// The mesh file of each head that is shown, where it has one.
+fn files_of(state: &State, shown: &Shown) -> Vec<Option<PathBuf>> {
+    let file = |scalp: &Arc<Scalp>| {
+        let is_it =
+            |value: &Value| matches!(value, Value::Scalp(other) if Arc::ptr_eq(scalp, other));
+        let mut nodes = shown.values.iter().filter(|(_, value)| is_it(value));
+        let folder = &state.file.folder;
+        nodes.find_map(|(socket, _)| looks::file_of(&state.document, folder, &socket.node))
+    };
+    shown.scalps.iter().map(file).collect()
+}
+
+/// The pixels of a picture for a rectangle of the screen.
+fn pixels(size: Vec2, per_point: f32) -> [u32; 2] {
+    let size = (size * per_point).max(Vec2::splat(1.0));
+    let longest = LONGEST / size.x.max(size.y);
+    let many = (MOST_PIXELS / (size.x * size.y)).sqrt();
+    let size = size * longest.min(many).min(1.0);
+    [size.x.round().max(1.0) as u32, size.y.round().max(1.0) as u32]
+}
+
+#[cfg(test)]
+mod tests;
