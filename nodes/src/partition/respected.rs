@@ -1,6 +1,6 @@
 //! Tests: whatever grows on a parted scalp keeps off its partings.
 //!
-//! Laid guides, what is filled about them and between them, and puffs: none is rooted in a parting, and none leads over one
+//! Laid guides, what is filled about them and between them, how that is bent, and puffs: none is rooted in a parting, and none leads over one
 //! near its root; nor is any moved into the head for it. Nodes of partition and braid have tests of their own.
 
 use crate::data::curves::Curves;
@@ -70,6 +70,10 @@ fn guides_fills_and_puffs_keep_off_partings() {
         let between = [on(), ("guides", laid.into()), ("density", Value::Float(20.0))];
         let hair = curves("interpolate", &between);
         check(&format!("hair between guides on {cells}"), &scalp, &hair, 5000);
+        for id in ["clump", "noise", "frizz", "stray", "length"] {
+            let bent = curves(id, &[on(), ("curves", hair.clone().into())]);
+            check(&format!("{id} of hair between guides on {cells}"), &scalp, &bent, 5000);
+        }
         let upright = guides(&[
             ("count", Value::Int(200)),
             ("length", Value::Float(2.0)),
