@@ -30,11 +30,11 @@ node! {
         /// Curves to draw hair to: each goes to the one rooted nearest.
         centres: Option<Curves>, words("guides centers middles clusters");
         /// How far hair is drawn together: 0 not at all, 1 to a line.
-        amount: FieldInput = 0.7, hard(0.0, 1.0), unit(Ratio), words("tightness strength factor");
+        amount: FieldInput = 0.8, hard(0.0, 1.0), unit(Ratio), words("tightness strength factor");
         /// How the amount grows from root (left) to tip.
         along: Arc<Ramp> = Ramp::smooth(0.0, 1.0), hard(0.0, 1.0), words("profile falloff shape ramp");
         /// Clumps on a square centimetre. With curves or an attribute it counts for the finer levels alone.
-        density: f32 = 1.0, hard(0.01, 1000.0), soft(0.1, 10.0), unit(PerCm2), words("number size count"),
+        density: f32 = 0.6, hard(0.01, 1000.0), soft(0.1, 10.0), unit(PerCm2), words("number size count"),
             idle(only_finer);
         /// Clumps, and clumps within them: each level has four times as many as the one before.
         levels: i64 = 2, hard(1.0, 5.0), soft(1.0, 4.0), unit(Count), words("sub clumps multi level hierarchy");

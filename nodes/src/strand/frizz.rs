@@ -28,7 +28,7 @@ node! {
         /// The head that it stays out of; masks need it, too.
         scalp: Option<Arc<Scalp>>;
         /// How far aside hair goes at most.
-        amplitude: FieldInput = 0.25, hard(0.0, 100.0), soft(0.0, 1.0), unit(Length), words("amount magnitude strength intensity");
+        amplitude: FieldInput = 0.3, hard(0.0, 100.0), soft(0.0, 1.0), unit(Length), words("amount magnitude strength intensity");
         /// Factor of the amplitude from root (left) to tip.
         along: Arc<Ramp> = Ramp::linear(0.3, 1.0), hard(-10.0, 10.0), soft(0.0, 1.0), words("profile falloff ramp");
         /// Distance along the hair from one kink to the next.
