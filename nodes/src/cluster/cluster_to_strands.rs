@@ -35,7 +35,7 @@ node! {
     /// cross-section a little more at every point and makes ropes, frizz lets every strand wander. Editing one cluster
     /// makes only its own strands again, and a higher density only adds strands to those there are.
     "cluster_to_strands", version 1, label "Cluster to strands",
-        words "fill wisp clump clumping lock locs dreadlocks frizz scraggle flyaway generate hair strands multiplier sketch noise modifier twist rope density tube", thins;
+        words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins;
     inputs {
         /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth count where the
         /// inputs below read them.

@@ -21,7 +21,7 @@ node! {
     /// Clumps lie where density strews them; or wire curves to draw hair to the nearest of them, or name an attribute that says
     /// who belongs together. Finer levels make clumps of clumps. Roots stay, and so do lengths.
     "clump", version 1, label "Clump",
-        words "clump clumps clumping gather wisp wisps lock locks bunch group tuft strand separate piecey wet modifier";
+        words "hair curves clump clumps clumping gather wisp wisps lock locks bunch group tuft strand separate piecey wet modifier";
     inputs {
         /// Hair to draw together.
         curves: Curves;

@@ -21,22 +21,22 @@ node! {
     /// Roots stay, and so do lengths: the more hair frizzes, the shorter it looks. It takes points that are as near to each other as
     /// the kinks.
     "frizz", version 1, label "Frizz",
-        words "frizz frizzy kink kinky crimp fuzzy fuzz scraggle messy rough random noise modifier dry humid";
+        words "hair curves frizz frizzy kink crimp fuzzy fuzz scraggle messy rough random noise modifier dry humid";
     inputs {
         /// Hair to change.
         curves: Curves;
         /// The head that it stays out of; masks need it, too.
         scalp: Option<Arc<Scalp>>;
         /// How far aside hair goes at most.
-        amplitude: FieldInput = 0.3, hard(0.0, 100.0), soft(0.0, 1.0), unit(Length), words("amount magnitude strength intensity");
+        amplitude: FieldInput = 0.5, hard(0.0, 100.0), soft(0.0, 2.0), unit(Length), words("amount magnitude strength intensity");
         /// Factor of the amplitude from root (left) to tip.
         along: Arc<Ramp> = Ramp::linear(0.3, 1.0), hard(-10.0, 10.0), soft(0.0, 1.0), words("profile falloff ramp");
         /// Distance along the hair from one kink to the next.
-        step: f32 = 0.6, hard(0.02, 1000.0), soft(0.1, 3.0), unit(Length), words("frequency wavelength scale size");
+        step: f32 = 0.5, hard(0.02, 1000.0), soft(0.1, 3.0), unit(Length), words("frequency wavelength scale size");
         /// How wild a kink is: 1 may cross all of the hair's room, less wanders.
         kink: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("sharpness wild");
         /// How much less some hairs frizz than others, drawn for each: 1 lets some be smooth.
-        variation: f32 = 0.7, hard(0.0, 1.0), unit(Ratio), words("random vary");
+        variation: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("random vary");
         /// Whether every hair stays as long as it was, piece by piece.
         keep_length: bool = true, words("preserve stretch");
         /// Whether lengths typed here grow with the size of the head.

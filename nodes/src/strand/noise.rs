@@ -21,7 +21,7 @@ node! {
     /// Noise in space moves neighbours together, so that hair waves in locks and sheets; noise along the hair gives each its own
     /// way. Roots stay, and so do lengths.
     "noise", version 1, label "Noise",
-        words "noise wave wavy turbulence perlin fractal displace jitter random natural messy bend wind modifier";
+        words "hair curves noise turbulence perlin fractal displace jitter random natural messy bend wind modifier";
     inputs {
         /// Hair to change.
         curves: Curves;

@@ -21,7 +21,7 @@ node! {
     ///
     /// Each bends away in a direction of its own, farther and farther to its tip, and waves a little.
     "stray", version 1, label "Stray",
-        words "stray strays flyaway flyaways loose wild hairs rogue messy natural modifier baby breakage halo";
+        words "hair curves stray strays flyaway flyaways loose wild hairs rogue messy natural modifier baby breakage halo";
     inputs {
         /// Hair to change.
         curves: Curves;
