@@ -41,6 +41,11 @@ const NODES: &[(&str, &[(&str, f32)])] = &[
     ("cluster_to_strands", &[("strands", 16.0)]),
     ("separation", &[]),
     ("trim", &[]),
+    ("clump", &[]),
+    ("frizz", &[]),
+    ("length", &[]),
+    ("noise", &[]),
+    ("stray", &[]),
 ];
 /// Throws of several hostile values at once, for each node; in release (`tests/run.sh --long`) more than in the dev build.
 const THROWS: u64 = if cfg!(debug_assertions) { 15 } else { 60 };

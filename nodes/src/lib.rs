@@ -1,7 +1,7 @@
 //! The groom nodes: pure functions from geometry to geometry, one file each.
 //!
-//! Folders follow the order in which hair is made (scalp, guides, braid, partition, curl, puff, sketch, cluster, shape,
-//! output), so the list below is also the order of the menu and of the manual.
+//! Folders follow the order in which hair is made (scalp, guides, braid, partition, curl, puff, sketch, cluster, strand,
+//! shape, output), so the list below is also the order of the menu and of the manual.
 //!
 //! **Invariant:** this crate opens no files, owns no threads, reads no clock and knows nothing of documents,
 //! windows or GPUs. Same arguments, same bits, on every machine.
@@ -27,6 +27,7 @@ mod shape;
 #[cfg(test)]
 mod sizes;
 pub mod sketch;
+mod strand;
 #[cfg(test)]
 mod testing;
 
@@ -42,6 +43,7 @@ pub const STAGES: &[(&str, &[&NodeDef])] = &[
     ("puff", puff::NODES),
     ("sketch", sketch::NODES),
     ("cluster", cluster::NODES),
+    ("strand", strand::NODES),
     ("shape", shape::NODES),
     ("output", output::NODES),
 ];

@@ -23,7 +23,7 @@ use crate::define::{Colour, FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
-use crate::maths::transcendental::sin_cos_turns;
+use crate::strand::walk::wander;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ node! {
     /// cross-section a little more at every point and makes ropes, frizz lets every strand wander. Editing one cluster
     /// makes only its own strands again, and a higher density only adds strands to those there are.
     "cluster_to_strands", version 1, label "Cluster to strands",
-        words "fill wisp clump clumping lock locs dreadlocks frizz scraggle flyaway generate hair strands multiplier sketch noise modifier twist rope density tube", thins;
+        words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins;
     inputs {
         /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth count where the
         /// inputs below read them.
@@ -358,7 +358,7 @@ impl Filler<'_> {
             }
             let first = points.len();
             points.push(root);
-            self.wander(id, q, &sections.steps, &mut walk);
+            wander(self.walk, id, q, &sections.steps, &mut walk);
             let walked = |section: &Section| {
                 let [a, b, c] = section.weights;
                 match walk.get(section.knot..section.knot + 3) {
@@ -436,30 +436,6 @@ impl Filler<'_> {
             }
         }
         Ok(out)
-    }
-
-    /// A strand's place in the unit disc at each knot, between one more value at both ends: at every knot it takes
-    /// a step in a random direction, up to the wall and never farther than `steps` says.
-    #[inline]
-    fn wander(&self, id: u64, start: Vec2, steps: &[f32], walk: &mut [Vec2]) {
-        let mut d = start;
-        walk[0] = d;
-        for (knot, step) in (0..).zip(steps) {
-            if knot > 0 {
-                // One draw for both numbers: 24 bits of it for the direction, 24 for the length.
-                let bits = self.walk.bits(id, knot);
-                let unit = |bits: u64| (bits & 0xFF_FFFF) as f32 * (1.0 / (1u32 << 24) as f32);
-                let (sin, cos) = sin_cos_turns(unit(bits >> 40));
-                let x = Vec2::new(cos, sin);
-                let along = d.dot(x);
-                let wall = (along * along + 1.0 - d.length_squared()).max(0.0).sqrt() - along;
-                d += x * (unit(bits >> 8) * wall.min(*step));
-            }
-            walk[knot as usize + 1] = d;
-        }
-        if let Some(last) = walk.last_mut() {
-            *last = d;
-        }
     }
 }
 

@@ -8,7 +8,7 @@ mod interpolate;
 #[cfg(test)]
 mod laws;
 mod plan;
-mod sections;
+pub(crate) mod sections;
 mod separation;
 mod shape;
 

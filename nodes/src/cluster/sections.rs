@@ -8,6 +8,7 @@ use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{Frame, across, any_normal, carry, frames};
 use crate::maths::spline::{CurveFault, Place, Spline};
 use crate::maths::transcendental::{atan2, sin_cos};
+use crate::strand::walk::smooth;
 use glam::Vec3;
 
 /// The most that the cross-section turns between two points of a strand, degrees.
@@ -92,7 +93,7 @@ impl Section {
 }
 
 /// Whether any part of a field is an attribute, which is in true cm already.
-pub(super) fn reads_attribute(field: &Field) -> bool {
+pub(crate) fn reads_attribute(field: &Field) -> bool {
     match field {
         Field::Attribute(_) => true,
         Field::Product(parts) => parts.iter().any(reads_attribute),
@@ -306,14 +307,4 @@ fn strand_points(spline: &Spline, asked: &Asked, rolls: &[f32]) -> (Vec<f32>, Ve
         }
         count = (((count - 1) as f32 * most / TURN).ceil() as usize + 1).min(most_points);
     }
-}
-
-/// Which knots count at `x` (knot number and fraction): a quadratic B-spline, which is smooth and stays within what
-/// its knots span, so that a walk in a disc never leaves it. Number of the first in a list that repeats the
-/// first knot before itself, and three weights that add up to one.
-fn smooth(x: f32) -> (usize, [f32; 3]) {
-    let knot = (x + 0.5).floor();
-    let f = x - knot;
-    let (a, c) = (0.5 * (0.5 - f) * (0.5 - f), 0.5 * (0.5 + f) * (0.5 + f));
-    (knot as usize, [a, 1.0 - a - c, c])
 }

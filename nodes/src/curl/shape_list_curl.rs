@@ -30,7 +30,7 @@ use crate::maths::frame::carry;
 use crate::maths::hash::KeyBuilder;
 use crate::maths::rail::Rail;
 use crate::maths::spline::Spline;
-use crate::shape::resample::between;
+use crate::strand::carried::between;
 use glam::Vec3;
 use std::sync::Arc;
 

@@ -20,7 +20,7 @@ use crate::data::sections::Sections;
 use crate::eval::Host;
 use crate::maths::readings::{AGREE, readings_differ};
 use crate::maths::spline::{Place, Spline};
-use crate::shape::resample::between;
+use crate::strand::carried::between;
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 

@@ -1,7 +1,8 @@
 //! Tests: everything that grows on a parted scalp keeps off its partings.
 //!
-//! Laid guides, the hair filled around and between them, and puffs: no hair is rooted in a parting or crosses one near
-//! its root, and none is moved into the head to achieve that. Nodes of partition and braid have their own tests.
+//! Laid guides, the hair filled around and between them, hair bent by modifiers, and puffs: no hair is rooted in a parting
+//! or crosses one near its root, and none is moved into the head to achieve that. Nodes of partition and braid have their
+//! own tests.
 
 use crate::data::curves::Curves;
 use crate::data::scalp::Scalp;
@@ -70,6 +71,10 @@ fn guides_fills_and_puffs_keep_off_partings() {
         let between = [on(), ("guides", laid.into()), ("density", Value::Float(20.0))];
         let hair = curves("interpolate", &between);
         check(&format!("hair between guides on {cells}"), &scalp, &hair, 5000);
+        for id in ["clump", "noise", "frizz", "stray", "length"] {
+            let bent = curves(id, &[on(), ("curves", hair.clone().into())]);
+            check(&format!("{id} of hair between guides on {cells}"), &scalp, &bent, 5000);
+        }
         let upright = guides(&[
             ("count", Value::Int(200)),
             ("length", Value::Float(2.0)),

@@ -13,7 +13,7 @@ use crate::data::scalp::{Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::{Place, Spline};
-use crate::shape::resample::between;
+use crate::strand::carried::between;
 use glam::Vec3;
 use std::sync::Arc;
 

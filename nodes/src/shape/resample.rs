@@ -1,10 +1,10 @@
 //! Resample: the same curves with other CVs.
 
-use crate::data::attributes::{Column, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::spline::Spline;
+use crate::strand::carried::carry;
 
 node! {
     /// Gives curves another number of CVs, evenly spaced along their length.
@@ -96,44 +96,14 @@ pub(crate) fn resample(
         points[n - 1] = *tuft.curve(i).last().unwrap_or(&points[0]);
         out.push_curve(&points);
     }
-    for attribute in tuft.attributes() {
-        let values = match attribute.domain {
-            Domain::Curve => attribute.values.gather(&kept),
-            Domain::Point => between(&attribute.values, &places),
-        };
-        out.set_column(crate::data::attributes::Attribute { values, ..attribute.clone() });
-    }
+    carry(tuft, &kept, &places, &mut out);
     Ok(out.build())
-}
-
-/// Values between old points: numbers and vectors are interpolated, ids and counts taken from the previous point.
-pub(crate) fn between(column: &Column, places: &[(u32, f32)]) -> Column {
-    macro_rules! lerp {
-        ($variant:ident, $values:expr) => {
-            Column::$variant(std::sync::Arc::new(
-                places
-                    .iter()
-                    .map(|(i, t)| {
-                        let (a, b) = ($values[*i as usize], $values[*i as usize + 1]);
-                        a + (b - a) * *t
-                    })
-                    .collect(),
-            ))
-        };
-    }
-    match column {
-        one if one.len() == 1 => one.clone(),
-        Column::F32(v) => lerp!(F32, v),
-        Column::Vec2(v) => lerp!(Vec2, v),
-        Column::Vec3(v) => lerp!(Vec3, v),
-        other => other.gather(&places.iter().map(|(i, _)| *i).collect::<Vec<_>>()),
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::attributes::{ID, ROLL};
+    use crate::data::attributes::{Domain, ID, ROLL};
     use crate::define::Value;
     use crate::testing::{curves_of, run};
     use glam::Vec3;

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 node! {
     /// Sets the width of hairs from root to tip.
-    "set_width", version 1, label "Set width", words "thickness taper radius diameter profile hair curve tip";
+    "set_width", version 1, label "Set width", words "width thickness taper radius diameter profile hair curve tip modifier";
     inputs {
         /// Hair to change.
         curves: Curves;

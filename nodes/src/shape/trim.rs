@@ -8,15 +8,15 @@
 //! proportion; no point becomes deeper below the skin than the hair allows. Not promised: shapes that are hollow or
 //! have arms: outlines are seen from their centre, and the outermost wall in each direction counts.
 
-use crate::data::attributes::{ALLOW_DEPTH, Attribute, Domain, FIBRE};
-use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::attributes::ALLOW_DEPTH;
+use crate::data::curves::{Curves, Tuft};
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
 use crate::puff::outline::Outline;
-use crate::shape::resample::between;
+use crate::strand::shorten::Shortened;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -140,23 +140,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Fewest points on the rest of a hair.
-const FEWEST: usize = 4;
-
-/// Every curve of `tuft` up to where `over` of it and its id first exceeds 0, but at least `least` cm. Curves without
-/// length are dropped and reported.
+/// Every curve of `tuft` up to where `over` of it and its id first is more than 0, but at least `least` cm. Curves without length
+/// are left out and noted.
 fn cut(
     tuft: &Tuft,
     over: impl Fn(Vec3, u64) -> f32,
     least: f32,
     (skin, piece): (&Skin, &mut Piece),
 ) -> Result<Tuft, NodeError> {
-    let mut out = TuftBuilder::new();
+    let mut out = Shortened::new(tuft);
     let mut spline = Spline::default();
     let depth = tuft.view(ALLOW_DEPTH);
-    let (mut kept, mut shares, mut points) = (vec![], vec![], vec![]);
-    // For each new point: the old point before it and the fraction toward the next.
-    let mut places: Vec<(u32, f32)> = vec![];
     for i in 0..tuft.len() {
         piece.tick()?;
         let (old, first, id) = (tuft.curve(i), tuft.offsets()[i], tuft.id(i));
@@ -164,63 +158,14 @@ fn cut(
             piece.trouble(id, fault);
             continue;
         }
-        kept.push(i as u32);
-        let long = spline.length();
-        let place = |k: usize| {
-            let last = old.len() - 2;
-            (first + k.min(last) as u32, k.saturating_sub(last) as f32)
-        };
-        let Some(end) = end(&spline, old.len(), |p| over(p, id)).map(|end| end.max(least)) else {
-            shares.push(1.0);
-            out.push_curve(old);
-            places.extend((0..old.len()).map(place));
-            continue;
-        };
-        if end >= long {
-            shares.push(1.0);
-            out.push_curve(old);
-            places.extend((0..old.len()).map(place));
-            continue;
+        let end = end(&spline, old.len(), |p| over(p, id)).map(|end| end.max(least));
+        match end.filter(|end| *end < spline.length()) {
+            None => out.keep(i),
+            // Between its points a hair may dip into the skin.
+            Some(end) => out.cut(i, &spline, end, |p, span| {
+                skin.lift_exactly(p, -depth.at(i, first as usize + span)).0
+            }),
         }
-        // Between its points, a hair may dip into the skin.
-        let made =
-            |p: Vec3, span: usize| skin.lift_exactly(p, -depth.at(i, first as usize + span)).0;
-        let share = end / long;
-        shares.push(share);
-        points.clear();
-        // Where a point of the hair is kept, the hair stays in place: out of the skin. The last of them is no nearer to
-        // the cut than half the distance to the next.
-        let cut = spline.locate_length(end);
-        let whole = if cut.t < 0.5 { cut.span } else { cut.span + 1 };
-        if whole >= FEWEST - 1 {
-            points.extend_from_slice(&old[..whole]);
-            places.extend((0..whole).map(place));
-            points.push(made(spline.point(cut), cut.span));
-            places.push((first + cut.span as u32, cut.t));
-        } else {
-            let mut cursor = 0;
-            for k in 0..FEWEST {
-                let at = spline.locate_rising(&mut cursor, end * k as f32 / (FEWEST - 1) as f32);
-                points.push(made(spline.point(at), at.span));
-                places.push((first + at.span as u32, at.t));
-            }
-        }
-        points[0] = old[0];
-        out.push_curve(&points);
-    }
-    for attribute in tuft.attributes() {
-        let values = match attribute.domain {
-            Domain::Curve => attribute.values.gather(&kept),
-            Domain::Point => between(&attribute.values, &places),
-        };
-        out.set_column(Attribute { values, ..attribute.clone() });
-    }
-    let fibre = tuft.view(FIBRE);
-    let fibre_of = |(i, share): (&u32, &f32)| {
-        fibre.at(*i as usize, tuft.offsets()[*i as usize] as usize) * share
-    };
-    if tuft.attribute(FIBRE.name).is_some() {
-        out.set(FIBRE, Domain::Curve, kept.iter().zip(&shares).map(fibre_of).collect());
     }
     Ok(out.build())
 }
@@ -248,7 +193,8 @@ fn end(spline: &Spline, n: usize, over: impl Fn(Vec3) -> f32) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::attributes::{ID, ROLL};
+    use crate::data::attributes::{Domain, FIBRE, ID, ROLL};
+    use crate::data::curves::TuftBuilder;
     use crate::data::scalp::tests::shared_ball;
     use crate::define::Value;
     use crate::testing::{curves_of, fails, run};

@@ -21,7 +21,7 @@ pub(super) const SMALL: f32 = 11.0;
 pub(super) const SOCKET: f32 = 4.6;
 
 /// Colours of stages, in the order in which hair is made; the last but one is for unknown kinds, the last for what documents declare.
-const STAGES: [Color32; 12] = [
+const STAGES: [Color32; 13] = [
     Color32::from_rgb(205, 160, 125),
     Color32::from_rgb(130, 190, 145),
     Color32::from_rgb(220, 165, 95),
@@ -30,6 +30,7 @@ const STAGES: [Color32; 12] = [
     Color32::from_rgb(195, 145, 200),
     Color32::from_rgb(222, 150, 178),
     Color32::from_rgb(120, 180, 195),
+    Color32::from_rgb(110, 185, 165),
     Color32::from_rgb(125, 165, 215),
     Color32::from_rgb(170, 175, 180),
     Color32::from_rgb(225, 140, 132),

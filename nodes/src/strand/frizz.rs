@@ -1,0 +1,93 @@
+//! Frizz: short random kinks, each hair's own.
+//!
+//! A hair walks across itself as strands of sketched clusters do (methods.md 6): a random step every so many centimetres, within a
+//! disc. Guarantees: those of `held.rs`; before lengths are kept no point goes farther aside than the amplitude says. Not promised:
+//! kinks finer than a hair has points for, which is remarked.
+
+use super::held::Held;
+use super::walk::{smooth, wander};
+use crate::cluster::sections::reads_attribute;
+use crate::data::curves::Curves;
+use crate::data::ramp::Ramp;
+use crate::data::scalp::Scalp;
+use crate::define::{FieldInput, NodeError, node};
+use crate::eval::EvalCx;
+use glam::Vec2;
+use std::sync::Arc;
+
+node! {
+    /// Gives every hair small kinks of its own.
+    ///
+    /// Roots stay, and so do lengths: the more hair frizzes, the shorter it looks. It takes points that are as near to each other as
+    /// the kinks.
+    "frizz", version 1, label "Frizz",
+        words "hair curves frizz frizzy kink crimp fuzzy fuzz scraggle messy rough random noise modifier dry humid";
+    inputs {
+        /// Hair to change.
+        curves: Curves;
+        /// The head that it stays out of; masks need it, too.
+        scalp: Option<Arc<Scalp>>;
+        /// How far aside hair goes at most.
+        amplitude: FieldInput = 0.5, hard(0.0, 100.0), soft(0.0, 2.0), unit(Length), words("amount magnitude strength intensity");
+        /// Factor of the amplitude from root (left) to tip.
+        along: Arc<Ramp> = Ramp::linear(0.3, 1.0), hard(-10.0, 10.0), soft(0.0, 1.0), words("profile falloff ramp");
+        /// Distance along the hair from one kink to the next.
+        step: f32 = 0.5, hard(0.02, 1000.0), soft(0.1, 3.0), unit(Length), words("frequency wavelength scale size");
+        /// How wild a kink is: 1 may cross all of the hair's room, less wanders.
+        kink: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("sharpness wild");
+        /// How much less some hairs frizz than others, drawn for each: 1 lets some be smooth.
+        variation: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("random vary");
+        /// Whether every hair stays as long as it was, piece by piece.
+        keep_length: bool = true, words("preserve stretch");
+        /// Whether lengths typed here grow with the size of the head.
+        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The same hair with kinks.
+        curves: Curves;
+    }
+}
+
+/// The most kinks of a hair; a longer one has its last ones farther apart.
+const MOST_STEPS: f32 = 4096.0;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let unit = cx.head_unit(scalp, inputs.scale_with_head);
+    let own_unit = if reads_attribute(&inputs.amplitude.field) { 1.0 } else { unit };
+    let step = inputs.step * unit;
+    let (walk_dice, dice) =
+        (cx.dice(inputs.seed, "frizz"), cx.dice(inputs.seed, "frizz of a hair"));
+    let held = Held { scalp, keep_length: inputs.keep_length };
+    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
+        let amplitude = inputs.amplitude.on(tuft, scalp)?;
+        let (mut frames, mut walk, mut steps) = (vec![], vec![], vec![]);
+        let bent = held.bend(tuft, piece, |hair, i, new| {
+            let (first, id) = (tuft.range(i).start, tuft.id(i));
+            let own = own_unit * (1.0 - inputs.variation * dice.unit(id, 0));
+            let far = |k: usize| {
+                let u = hair.u(k);
+                amplitude.at(i, first + k, u) * own * inputs.along.at(u)
+            };
+            if (1..new.len()).all(|k| far(k) == 0.0) {
+                return;
+            }
+            let spans = (hair.length() / step).ceil().clamp(1.0, MOST_STEPS);
+            steps.clear();
+            steps.resize(spans as usize + 1, inputs.kink);
+            walk.resize(steps.len() + 2, Vec2::ZERO);
+            wander(walk_dice, id, Vec2::ZERO, &steps, &mut walk);
+            hair.frames(&mut frames);
+            for (k, p) in new.iter_mut().enumerate().skip(1) {
+                let (knot, [a, b, c]) = smooth((hair.come(k) / step).min(spans));
+                let d = walk[knot] * a + walk[knot + 1] * b + walk[knot + 2] * c;
+                *p += frames[k].across(d.x, d.y) * far(k);
+            }
+        })?;
+        Ok([bent])
+    })?;
+    super::hair::remark_coarse(cx, &inputs.curves, step, "the step from kink to kink");
+    Ok(Outputs { curves })
+}

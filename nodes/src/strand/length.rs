@@ -1,0 +1,199 @@
+//! Length: hair cut, scaled or grown on to a length.
+//!
+//! Guarantees: roots and ids stay; hair that is as long as asked keeps its bits, and a tuft of such hairs is the tuft that came in; a
+//! cut hair lies as it lay; how much shorter than others a hair is hangs from its id alone; on a scalp no new or moved point ends
+//! deeper in the skin than the hair allows, and no hair is led over a parting that did not lead over one. Lengths are right to 1e-3
+//! of themselves, but where the skin pushes.
+
+use super::held::Held;
+use super::shorten::{Shortened, grow_on};
+use crate::cluster::sections::reads_attribute;
+use crate::data::attributes::ALLOW_DEPTH;
+use crate::data::curves::{Curves, Tuft};
+use crate::data::scalp::Scalp;
+use crate::define::{FieldInput, NodeError, choice, node, unless};
+use crate::eval::{EvalCx, Piece, Size};
+use crate::maths::spline::Spline;
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Makes hair shorter or longer.
+    ///
+    /// By a share of its length or in centimetres, for each hair as a number, an attribute or a painted mask says, and a little
+    /// shorter for some. To cut hair to an outline take Trim.
+    "length", version 1, label "Length",
+        words "length cut shorten lengthen extend grow scale longer shorter random vary variation layers uneven modifier";
+    inputs {
+        /// Hair to change.
+        curves: Curves;
+        /// The head that new points stay out of; masks need it, too.
+        scalp: Option<Arc<Scalp>>;
+        /// Whether lengths are shares of what each hair has, or centimetres.
+        by: By = By::Share, words("relative absolute");
+        /// Length as a share of what the hair has. Read at the root.
+        share: FieldInput = 1.0, hard(0.0, 100.0), soft(0.0, 2.0), unit(Ratio), words("factor percent multiply"),
+            idle(|of| unless(of, "by", "share", "lengths are given in centimetres"));
+        /// Length of the hair. Read at the root.
+        length: FieldInput = 10.0, hard(0.0, 1000.0), soft(0.0, 60.0), unit(Length), words("absolute target"), handle(Handle::Length),
+            idle(|of| unless(of, "by", "length", "lengths are shares of what hair has"));
+        /// How hair gets its length.
+        way: Way = Way::Cut, words("method mode trim stretch");
+        /// Which hair is changed.
+        change: Change = Change::Any, words("limit only clamp minimum maximum");
+        /// How much shorter than asked a hair may be, drawn for each: 0 none, 0.95 down to a twentieth. Most hairs are nearly as long
+        /// as the longest.
+        variation: f32 = 0.15, hard(0.0, 0.95), unit(Ratio), words("random vary uneven between");
+        /// Whether centimetres typed here grow with the size of the head.
+        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The same hair, as long as asked.
+        curves: Curves;
+    }
+}
+
+choice! {
+    /// What lengths are told in.
+    By {
+        /// Shares of the length that a hair has.
+        Share = "share",
+        /// Centimetres.
+        Length = "length",
+    }
+}
+
+choice! {
+    /// How hair gets another length.
+    Way {
+        /// It is cut off, or grows on as its tip does.
+        Cut = "cut",
+        /// All of it is made smaller or larger about its root.
+        Scale = "scale",
+    }
+}
+
+choice! {
+    /// Which hair is changed.
+    Change {
+        /// All of it.
+        Any = "any",
+        /// Hair that is longer than asked.
+        Shorten = "shorten",
+        /// Hair that is shorter than asked.
+        Lengthen = "lengthen",
+    }
+}
+
+/// Hair that comes to be shorter than this, cm, is left out.
+const NOTHING: f32 = 0.01;
+/// Hair that is right to such a share of its length stays as it is.
+const RIGHT: f32 = 1e-5;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let unit = cx.head_unit(scalp, inputs.scale_with_head && inputs.by == By::Length);
+    let own_unit = if reads_attribute(&inputs.length.field) { 1.0 } else { unit };
+    let dice = cx.dice(inputs.seed, "length");
+    if let (By::Share, Way::Cut, Some(share)) = (inputs.by, inputs.way, inputs.share.constant()) {
+        let points = inputs.curves.point_count() as f64;
+        let times = f64::from(share.max(1.0));
+        cx.may_make(&Size::of(&[("points that come in", points), ("share", times)]))?;
+    }
+    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
+        let field = match inputs.by {
+            By::Share => inputs.share.on(tuft, scalp)?,
+            By::Length => inputs.length.on(tuft, scalp)?,
+        };
+        let wanted = |i: usize, length: f32| {
+            let asked = field.at(i, tuft.range(i).start, 0.0);
+            let asked = asked * if inputs.by == By::Share { length } else { own_unit };
+            let cut = dice.unit(tuft.id(i), 0);
+            let asked = asked * (1.0 - inputs.variation * cut * cut);
+            match inputs.change {
+                Change::Any => asked,
+                Change::Shorten => asked.min(length),
+                Change::Lengthen => asked.max(length),
+            }
+        };
+        let held = Held { scalp, keep_length: false };
+        Ok([relength(tuft, wanted, inputs.way, &held, piece)?])
+    })?;
+    let gone = inputs.curves.curve_count() - curves.curve_count();
+    if gone > 0 {
+        cx.remark(format!("{gone} hairs are left out, which come to be shorter than {NOTHING} cm or have no length"));
+    }
+    Ok(Outputs { curves })
+}
+
+/// Every hair of a tuft as long (cm) as `wanted` says of its number and its length.
+fn relength(
+    tuft: &Tuft,
+    wanted: impl Fn(usize, f32) -> f32,
+    way: Way,
+    held: &Held,
+    piece: &mut Piece,
+) -> Result<Tuft, NodeError> {
+    let mut spline = Spline::default();
+    let mut changes = false;
+    for i in 0..tuft.len() {
+        piece.tick()?;
+        changes |= spline.rebuild(tuft.curve(i)).is_ok() && {
+            let length = spline.length();
+            !is_right(wanted(i, length), length)
+        };
+    }
+    if !changes {
+        return Ok(tuft.clone());
+    }
+    let skin = held.scalp.map(Scalp::skin);
+    let depths = tuft.view(ALLOW_DEPTH);
+    let mut out = Shortened::new(tuft);
+    let mut points: Vec<Vec3> = vec![];
+    for i in 0..tuft.len() {
+        piece.tick()?;
+        let (old, first) = (tuft.curve(i), tuft.range(i).start);
+        if let Err(fault) = spline.rebuild(old) {
+            piece.trouble(tuft.id(i), fault);
+            continue;
+        }
+        let length = spline.length();
+        let wanted = wanted(i, length);
+        let share = wanted / length;
+        let depth = |k: usize| depths.at(i, first + k.min(old.len() - 1));
+        if wanted < NOTHING && wanted < length {
+            continue;
+        }
+        if is_right(wanted, length) {
+            out.keep(i);
+        } else if way == Way::Cut && wanted < length {
+            out.cut(i, &spline, wanted, |p, span| {
+                skin.as_ref().map_or(p, |skin| skin.lift_exactly(p, -depth(span)).0)
+            });
+        } else {
+            points.clear();
+            points.extend_from_slice(old);
+            let settled = if way == Way::Scale {
+                points.iter_mut().for_each(|p| *p = old[0] + (*p - old[0]) * share);
+                held.settle(old, &mut points, depth, skin.as_ref())
+            } else {
+                grow_on(&spline, &mut points, wanted - length);
+                held.settle_beyond(old, &mut points, depth, skin.as_ref())
+            };
+            match settled {
+                Ok(()) => out.grown(i, &points, share),
+                Err(why) => {
+                    piece.trouble(tuft.id(i), why);
+                    out.keep(i);
+                }
+            }
+        }
+    }
+    Ok(out.build())
+}
+
+fn is_right(wanted: f32, length: f32) -> bool {
+    (wanted - length).abs() <= RIGHT * length
+}

@@ -1,0 +1,236 @@
+//! Middles of clumps: what hair is drawn to, and which hair to which.
+//!
+//! A clump's middle is one of its own hairs, the first in its tuft, moved to the clump's place; or a curve that was given. Who
+//! belongs together hangs from each hair's root or attribute alone, and a tuft reads no other: so more hair, which makers add behind
+//! what there is, changes no clump, and an edit none in other tufts. Clumps never reach over a parting.
+
+use super::hair::Hair;
+use super::seeds::Seeds;
+use crate::data::attributes::{PARENT, SCALP_NORMAL};
+use crate::data::curves::{Tuft, View};
+use crate::data::scalp::{HeadFrame, Scalp};
+use crate::maths::nearest::Nearest;
+use crate::maths::spline::Spline;
+use crate::maths::transcendental::sin_cos;
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+/// What the hair of one clump is drawn to.
+struct Middle {
+    way: Spline,
+    /// From where the curve lies to where the clump is, cm.
+    shift: Vec3,
+}
+
+/// The middles that the hair of a tuft has.
+pub(super) struct Middles {
+    all: Vec<Middle>,
+    /// The number of each curve's.
+    of: Vec<Option<u32>>,
+}
+
+/// The section of the scalp that something is rooted in, which tells from others.
+fn section(scalp: Option<&Scalp>, root: Vec3) -> Option<u64> {
+    scalp?.sections()?.id_at(root)
+}
+
+/// Given curves, as hair finds the nearest of them.
+pub(super) struct Given {
+    tree: Nearest,
+}
+
+/// So many of the nearest curves are looked at for one in the section of a hair.
+const NEAR: usize = 4;
+
+impl Given {
+    /// Curves of one tuft each.
+    pub(super) fn new<'a>(tufts: impl Iterator<Item = &'a Tuft>) -> Self {
+        let root = |tuft: &Tuft| tuft.points().first().copied().unwrap_or(Vec3::NAN);
+        Self { tree: Nearest::new(tufts.map(root)) }
+    }
+    /// The numbers of those that a tuft's hair may be drawn to, in order.
+    pub(super) fn near(&self, tuft: &Tuft) -> Vec<u32> {
+        let roots: Vec<Vec3> =
+            (0..tuft.len()).filter_map(|i| tuft.curve(i).first().copied()).collect();
+        let mut near = vec![];
+        self.tree.find_each(&roots, NEAR, |_, found| near.extend(found.iter().map(|one| one.1)));
+        near.sort_unstable();
+        near.dedup();
+        near
+    }
+}
+
+impl Middles {
+    /// The nearest of some curves (one a tuft) for each hair, in its own section.
+    pub(super) fn given(tuft: &Tuft, curves: &[&Tuft], scalp: Option<&Scalp>) -> Self {
+        let mut all = vec![];
+        let mut roots = vec![];
+        for curve in curves {
+            if let Ok(way) = Spline::new(curve.curve(0)) {
+                let root = curve.curve(0)[0];
+                roots.push((root, section(scalp, root)));
+                all.push(Middle { way, shift: Vec3::ZERO });
+            }
+        }
+        let tree = Nearest::new(roots.iter().map(|(root, _)| *root));
+        let mut found = vec![];
+        let mut nearest = |i: usize| {
+            let root = *tuft.curve(i).first()?;
+            let own = section(scalp, root);
+            tree.find(root, NEAR, &mut found);
+            let at_home = found.iter().find(|(_, n)| roots[*n as usize].1 == own);
+            at_home.map(|(_, n)| *n)
+        };
+        let of = (0..tuft.len()).map(&mut nearest).collect();
+        Self { all, of }
+    }
+
+    /// The curve whose id an attribute of the hair names.
+    pub(super) fn named(tuft: &Tuft, name: &str, curves: &[&Tuft]) -> Option<Self> {
+        let keys = keys(tuft, name)?;
+        let mut all = vec![];
+        let mut numbers = BTreeMap::new();
+        for curve in curves {
+            if let Ok(way) = Spline::new(curve.curve(0)) {
+                numbers.entry(curve.id(0)).or_insert(all.len() as u32);
+                all.push(Middle { way, shift: Vec3::ZERO });
+            }
+        }
+        let of = (0..tuft.len()).map(|i| numbers.get(&keys(i)?).copied()).collect();
+        Some(Self { all, of })
+    }
+
+    /// Hairs that have the same value of an attribute; those with none are in no clump. None where the tuft lacks it.
+    pub(super) fn alike(tuft: &Tuft, name: &str, scalp: Option<&Scalp>) -> Option<Self> {
+        let keys = keys(tuft, name)?;
+        Some(Self::grouped(tuft, scalp, |i| Some((keys(i)?, None))))
+    }
+
+    /// Hairs that belong to one of the seeds, moved together on its place; `frame` is what seeds are strewn in.
+    pub(super) fn strewn(
+        tuft: &Tuft,
+        seeds: &Seeds,
+        frame: Option<&HeadFrame>,
+        scalp: Option<&Scalp>,
+    ) -> Self {
+        let frame = frame.unwrap_or(&HeadFrame::IDENTITY);
+        Self::grouped(tuft, scalp, |i| {
+            let root = *tuft.curve(i).first().filter(|root| root.is_finite())?;
+            let seed = seeds.nearest(frame.head_from_vector(root - frame.origin));
+            Some((seed.key, Some(frame.origin + frame.vector_from_head(seed.at))))
+        })
+    }
+
+    /// Hairs of one key and one section, with the place of the key.
+    fn grouped(
+        tuft: &Tuft,
+        scalp: Option<&Scalp>,
+        key: impl Fn(usize) -> Option<(u64, Option<Vec3>)>,
+    ) -> Self {
+        let mut groups = BTreeMap::new();
+        let mut all = vec![];
+        let mut of = Vec::with_capacity(tuft.len());
+        for i in 0..tuft.len() {
+            let found = key(i).and_then(|(key, place)| {
+                let root = tuft.curve(i)[..].first()?;
+                match groups.entry((key, section(scalp, *root))) {
+                    Entry::Occupied(known) => Some(*known.get()),
+                    Entry::Vacant(new) => {
+                        let way = Spline::new(tuft.curve(i)).ok()?;
+                        let shift = place.map_or(Vec3::ZERO, |at| shift(tuft, i, at, scalp));
+                        all.push(Middle { way, shift });
+                        Some(*new.insert(all.len() as u32 - 1))
+                    }
+                }
+            });
+            of.push(found);
+        }
+        Self { all, of }
+    }
+
+    /// Draws the points `new` of a hair to its middle, as far from the root there as here: by `strength` (0 to 1) at each, turned
+    /// about it by `twist` radians where that is 1. Beyond the middle's end the hair goes on as it does.
+    pub(super) fn draw(
+        &self,
+        (hair, i): (&Hair, usize),
+        new: &mut [Vec3],
+        strength: impl Fn(usize) -> f32,
+        twist: f32,
+    ) {
+        let Some(Middle { way, shift }) = self.of[i].map(|n| &self.all[n as usize]) else { return };
+        let mut cursor = 0;
+        for (k, p) in new.iter_mut().enumerate().skip(1) {
+            let drawn = strength(k);
+            if drawn <= 0.0 {
+                continue;
+            }
+            let come = hair.come(k);
+            let place = way.locate_rising(&mut cursor, come);
+            let mut middle = way.point(place) + *shift;
+            if come > way.length() {
+                middle += hair.points()[k] - hair.at(way.length());
+            }
+            let mut off = *p - middle;
+            if twist != 0.0 {
+                off = turned(off, way.tangent(place), twist * drawn);
+            }
+            *p = middle + off * (1.0 - drawn);
+        }
+    }
+}
+
+/// What an attribute says of each curve, as bits; nothing where it says none: the id of no curve, or a number below zero.
+fn keys<'a>(tuft: &'a Tuft, name: &str) -> Option<impl Fn(usize) -> Option<u64> + 'a> {
+    enum Keys<'a> {
+        Id(View<'a, u64>),
+        Whole(View<'a, i32>),
+        Number(View<'a, f32>),
+    }
+    let keys = if let Some(view) = tuft.view_named::<u64>(name) {
+        Keys::Id(view)
+    } else if let Some(view) = tuft.view_named::<i32>(name) {
+        Keys::Whole(view)
+    } else if let Some(view) = tuft.view_named::<f32>(name) {
+        Keys::Number(view)
+    } else if name == PARENT.name {
+        Keys::Id(View::Shared(PARENT.default))
+    } else {
+        return None;
+    };
+    Some(move |i: usize| {
+        let first = tuft.range(i).start;
+        if tuft.range(i).is_empty() {
+            return None;
+        }
+        match &keys {
+            Keys::Id(view) => Some(view.at(i, first)).filter(|id| *id != 0),
+            Keys::Whole(view) => u64::try_from(view.at(i, first)).ok(),
+            Keys::Number(view) => {
+                Some(view.at(i, first)).filter(|x| *x >= 0.0).map(|x| u64::from(x.to_bits()))
+            }
+        }
+    })
+}
+
+/// From the root of a curve to the place of its clump, along the skin: across what stands out there, or across the curve itself
+/// where nothing tells. None where that leads into another section.
+fn shift(tuft: &Tuft, i: usize, place: Vec3, scalp: Option<&Scalp>) -> Vec3 {
+    let root = tuft.curve(i)[0];
+    let skin = scalp.and_then(|scalp| {
+        let hit = scalp.skin().closest(root)?;
+        Some(scalp.surface().smooth_normal(hit.triangle, hit.bary))
+    });
+    let own = || tuft.view(SCALP_NORMAL).at(i, tuft.range(i).start).try_normalize();
+    let along = || tuft.curve(i).windows(2).find_map(|w| (w[1] - w[0]).try_normalize());
+    let Some(out) = skin.or_else(own).or_else(along) else { return Vec3::ZERO };
+    let shift = (place - root).reject_from_normalized(out);
+    let leaves = section(scalp, root + shift) != section(scalp, root);
+    if leaves || !shift.is_finite() { Vec3::ZERO } else { shift }
+}
+
+/// `v` turned about a unit axis, by Rodrigues.
+pub(super) fn turned(v: Vec3, axis: Vec3, radians: f32) -> Vec3 {
+    let (sin, cos) = sin_cos(radians);
+    v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
+}

@@ -1,0 +1,101 @@
+//! Stray: single hairs that leave the others.
+//!
+//! Guarantees: those of `held.rs`; which hairs leave hangs from their ids alone, and a higher share only adds some; before lengths
+//! are kept no point goes farther aside than the distance says.
+
+use super::held::Held;
+use super::waves::Waves;
+use crate::cluster::sections::reads_attribute;
+use crate::data::attributes::SCALP_NORMAL;
+use crate::data::curves::{Curves, Tuft};
+use crate::data::ramp::Ramp;
+use crate::data::scalp::Scalp;
+use crate::define::{FieldInput, NodeError, node};
+use crate::eval::EvalCx;
+use crate::maths::transcendental::sin_cos_turns;
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Lets some hairs leave the others on their way: flyaways, and what never lies as it should.
+    ///
+    /// Each bends away in a direction of its own, farther and farther to its tip, and waves a little.
+    "stray", version 1, label "Stray",
+        words "hair curves stray strays flyaway flyaways loose wild hairs rogue messy natural modifier baby breakage halo";
+    inputs {
+        /// Hair to change.
+        curves: Curves;
+        /// The head that it stays out of; masks need it, too.
+        scalp: Option<Arc<Scalp>>;
+        /// Share of hairs that leave; usually a number or a painted mask. Read at the root.
+        share: FieldInput = 0.04, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("amount percent number probability");
+        /// How far off they are at most at their tips.
+        distance: FieldInput = 1.5, hard(0.0, 100.0), soft(0.0, 5.0), unit(Length), words("amplitude magnitude strength spread");
+        /// How far off they are from root (left) to tip, as a share of the distance.
+        along: Arc<Ramp> = Ramp::smooth(0.0, 1.0), hard(-10.0, 10.0), soft(0.0, 1.0), words("profile falloff ramp");
+        /// Whether they leave any way (0), or more and more away from the skin (1).
+        lift: f32 = 0.4, hard(0.0, 1.0), unit(Ratio), words("up out rise volume");
+        /// How much they wave besides, as a share of the distance.
+        wave: f32 = 0.4, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("bend curl");
+        /// Whether every hair stays as long as it was, piece by piece.
+        keep_length: bool = true, words("preserve stretch");
+        /// Whether lengths typed here grow with the size of the head.
+        scale_with_head: bool = true;
+        /// Seed tag; stored, mixed into randomness.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The same hair, some of it astray.
+        curves: Curves;
+    }
+}
+
+/// Length of the waves of stray hairs, cm: as long as hair bends by itself.
+const WAVE: f32 = 6.0;
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let unit = cx.head_unit(scalp, inputs.scale_with_head);
+    let own_unit = if reads_attribute(&inputs.distance.field) { 1.0 } else { unit };
+    let dice = cx.dice(inputs.seed, "stray");
+    let waves = Waves { dice: cx.dice(inputs.seed, "stray wave"), octaves: 2, roughness: 0.4 };
+    let held = Held { scalp, keep_length: inputs.keep_length };
+    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
+        let (share, distance) = (inputs.share.on(tuft, scalp)?, inputs.distance.on(tuft, scalp)?);
+        let mut frames = vec![];
+        let bent = held.bend(tuft, piece, |hair, i, new| {
+            let (first, id) = (tuft.range(i).start, tuft.id(i));
+            if dice.unit(id, 0) >= share.at(i, first, 0.0) {
+                return;
+            }
+            // Few go as far as they may.
+            let far = 0.25 + 0.75 * dice.unit(id, 1);
+            hair.frames(&mut frames);
+            let (y, x) = sin_cos_turns(dice.unit(id, 2));
+            let aside = frames[0].across(x, y);
+            let out = outward(tuft, i, scalp).map_or(aside, |out| aside.lerp(out, inputs.lift));
+            let way = out.normalize_or(aside);
+            for (k, p) in new.iter_mut().enumerate().skip(1) {
+                let u = hair.u(k);
+                let off = far * distance.at(i, first + k, u) * own_unit * inputs.along.at(u);
+                if off != 0.0 {
+                    let wave = waves.along(id, hair.come(k) / (WAVE * unit)) * inputs.wave;
+                    *p += (way + wave).clamp_length_max(1.0) * off;
+                }
+            }
+        })?;
+        Ok([bent])
+    })?;
+    Ok(Outputs { curves })
+}
+
+/// Away from the skin at the root of a curve: as the scalp says, or the curve itself.
+fn outward(tuft: &Tuft, i: usize, scalp: Option<&Scalp>) -> Option<Vec3> {
+    let first = tuft.range(i).start;
+    let skin = || {
+        let scalp = scalp?;
+        let hit = scalp.skin().closest(tuft.points()[first])?;
+        Some(scalp.surface().smooth_normal(hit.triangle, hit.bary))
+    };
+    skin().or_else(|| tuft.view(SCALP_NORMAL).at(i, first).try_normalize())
+}
