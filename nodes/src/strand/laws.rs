@@ -7,7 +7,7 @@ use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
-use crate::eval::{Log, Quality};
+use crate::eval::{Log, Quality, Room};
 use crate::maths::hash::Dice;
 use crate::testing::{Memory, Threads, curves_of, head, run, run_on, shared_head};
 use glam::Vec3;
@@ -443,4 +443,20 @@ fn lengths_are_as_asked() {
     assert_eq!(lengths(&[share(0.0)]).len(), 0);
     let (_, said) = run(crate::by_id("length").unwrap(), &[("curves", field().into()), share(0.0)]);
     assert!(said[0].starts_with("1600 hairs are left out"), "{said:?}");
+}
+
+#[test]
+fn hair_that_would_grow_beyond_all_room_is_told_beforehand() {
+    let room = crate::testing::Lends(Room { points: Some(100_000), bytes: None });
+    let set = [
+        ("curves", field().into()),
+        ("share", Value::Float(100.0)),
+        ("variation", Value::Float(0.0)),
+    ];
+    let log = Log::default();
+    let node = crate::by_id("length").unwrap();
+    let failed = run_on(node, &set, &room, &log, Quality::Final).map(|_| ()).unwrap_err();
+    let said = "would make 1.9 million points (pieces between points that come in 19200 x share less variation 100)";
+    assert!(failed.to_string().starts_with(said), "{failed}");
+    assert_eq!(log.tufts_run.into_inner(), 0);
 }

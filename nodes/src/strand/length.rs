@@ -97,10 +97,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let unit = cx.head_unit(scalp, inputs.scale_with_head && inputs.by == By::Length);
     let own_unit = if reads_attribute(&inputs.length.field) { 1.0 } else { unit };
     let dice = cx.dice(inputs.seed, "length");
-    if let (By::Share, Way::Cut, Some(share)) = (inputs.by, inputs.way, inputs.share.constant()) {
-        let points = inputs.curves.point_count() as f64;
-        let times = f64::from(share.max(1.0));
-        cx.may_make(&Size::of(&[("points that come in", points), ("share", times)]))?;
+    if let (By::Share, Way::Cut, Some(share)) = (inputs.by, inputs.way, inputs.share.constant())
+        && inputs.change != Change::Shorten
+    {
+        // The least that comes of it.
+        let pieces = inputs.curves.point_count().saturating_sub(inputs.curves.curve_count());
+        let times = f64::from(share * (1.0 - inputs.variation)).max(1.0);
+        let pieces = ("pieces between points that come in", pieces as f64);
+        cx.may_make(&Size::of(&[pieces, ("share less variation", times)]))?;
     }
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let field = match inputs.by {
