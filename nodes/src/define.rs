@@ -544,6 +544,16 @@ impl FieldInput {
     ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
         Ok(self.field.on(tuft, scalp, self.range)?)
     }
+    /// A length on the curves of a tuft, in true centimetres: what is typed, drawn as a ramp or painted stands for so many `unit`s,
+    /// while an attribute that is a length, also in a product, is in centimetres already.
+    pub fn in_cm<'a>(
+        &'a self,
+        tuft: &'a crate::data::curves::Tuft,
+        scalp: Option<&Scalp>,
+        unit: f32,
+    ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
+        Ok(self.field.in_cm(tuft, scalp, self.range, unit)?)
+    }
     /// The value, when it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
         self.field.constant().map(|x| x.max(self.range.0).min(self.range.1))

@@ -308,7 +308,7 @@ struct Wishes<'a> {
 impl Maker<'_> {
     fn wishes<'t>(&'t self, tuft: &'t Tuft, curve: usize) -> Result<Wishes<'t>, NodeError> {
         let pull = self.inputs.pull_angle.on(tuft, Some(self.scalp))?;
-        let length = self.inputs.length.on(tuft, Some(self.scalp))?;
+        let length = self.inputs.length.in_cm(tuft, Some(self.scalp), self.unit)?;
         Ok(Wishes { tuft, curve, pull, length })
     }
     /// The owner of a position, unless it lies in a parting or too far away.
@@ -391,7 +391,7 @@ impl Maker<'_> {
         let start = self.start(lane);
         let behind = 2.0 * (x - self.inputs.start * self.unit);
         let x = behind.min(x - start).min(last - start).max(0.0);
-        let length = wishes.length.along(wishes.tuft, wishes.curve, place.owner.u) * self.unit;
+        let length = wishes.length.along(wishes.tuft, wishes.curve, place.owner.u);
         let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 1);
         (x / (lane.length - start), length * cut)
     }

@@ -262,12 +262,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     let inputs = plan.inputs;
     let scalp = inputs.scalp.as_deref();
-    let longest = plan.unit * (1.0 + 0.7 * inputs.uneven_stitches);
+    let longest = 1.0 + 0.7 * inputs.uneven_stitches;
     let mut all = 0.0;
     for tuft in inputs.source.tufts() {
-        let [count, spacing, width] =
-            [&inputs.stitches, &inputs.stitch_spacing, &inputs.width].map(|f| f.on(tuft, scalp));
-        let (count, spacing, width) = (count?, spacing?, width?);
+        let count = inputs.stitches.on(tuft, scalp)?;
+        let spacing = inputs.stitch_spacing.in_cm(tuft, scalp, plan.unit)?;
+        let width = inputs.width.in_cm(tuft, scalp, plan.unit)?;
         for curve in 0..tuft.len() {
             let most = |field: &Sampler| {
                 (0..=64).map(|k| field.along(tuft, curve, k as f32 / 64.0)).fold(0.0, f32::max)
@@ -399,23 +399,17 @@ fn braid(
     let braid_id = curve_id(source_id, tag, BRAID_ITSELF);
     let ids: Vec<u64> = (0..u64::from(strands)).map(|i| curve_id(source_id, tag, i)).collect();
     let scalp = inputs.scalp.as_deref();
-    let [width, height, roll, fullness, count, spacing] = [
-        &inputs.width,
-        &inputs.height,
-        &inputs.roll,
-        &inputs.fullness,
-        &inputs.stitches,
-        &inputs.stitch_spacing,
-    ]
-    .map(|field| field.on(tuft, scalp));
+    let [width, height, spacing] = [&inputs.width, &inputs.height, &inputs.stitch_spacing]
+        .map(|field| field.in_cm(tuft, scalp, unit));
+    let [roll, fullness, count] =
+        [&inputs.roll, &inputs.fullness, &inputs.stitches].map(|field| field.on(tuft, scalp));
     let (width, height, roll, fullness) = (width?, height?, roll?, fullness?);
 
     // A rope is as high as it is wide.
     let flat = if plan.weave.waves() == 1 { 1.0 } else { 0.5 };
     // The full size is that of the widest position; elsewhere it is scaled.
     let outer = |u: f32| {
-        let w = width.along(tuft, curve, u) * unit;
-        let h = height.along(tuft, curve, u) * unit;
+        let (w, h) = (width.along(tuft, curve, u), height.along(tuft, curve, u));
         (w, if h > 0.0 { h } else { flat * w })
     };
     let (mut full_w, mut full_h) = (0.0f32, 0.0f32);
@@ -449,7 +443,7 @@ fn braid(
         _ => length - tied_at,
     };
     let spacing = spacing?;
-    let spacing_at = |u: f32| spacing.along(tuft, curve, u) * unit;
+    let spacing_at = |u: f32| spacing.along(tuft, curve, u);
     let varies = inputs.stitches_by == StitchesBy::Spacing && !spacing.is_of_curves();
     // Inner sizes are those of the widest position, where stitches are longest.
     let spacing = match varies {

@@ -9,7 +9,7 @@
 //! frizzed are as evenly spaced as the cluster's.
 
 use super::bias::end_on_plane;
-use super::sections::{Section, Sections, open_radius, reads_attribute, widest_radius};
+use super::sections::{Section, Sections, open_radius, widest_radius};
 use super::shape::Shape;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
@@ -28,97 +28,92 @@ use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 node! {
-    /// Fill clusters with hair: strands that start on the scalp around each cluster's root and run within its
-    /// radius to its tip.
+    /// Fills clusters with hair: strands rooted on the scalp around each cluster's root, which run within its radius to the
+    /// tip.
     ///
-    /// Density, twist and frizz work as in hair sketching: density fills the cluster, twist turns its
-    /// cross-section a little more at every point and makes ropes, frizz lets every strand wander. Editing one cluster
-    /// makes only its own strands again, and a higher density only adds strands to those there are.
+    /// Density fills the cluster, twist turns its cross-section from CV to CV and makes ropes, frizz lets each strand wander.
+    /// Editing a cluster rebuilds only its own strands; a higher density only adds strands.
     "cluster_to_strands", version 1, label "Cluster to strands",
         words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins;
     inputs {
-        /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth count where the
-        /// inputs below read them.
+        /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth are used where an input reads
+        /// them.
         curves: Curves;
-        /// The head. Roots are put on it and strands kept out of it; without one, roots fill the disc across the
-        /// cluster's root.
+        /// Head that holds the roots and keeps strands out of the skin. Without it, roots fill a disc across the cluster's
+        /// root.
         scalp: Option<Arc<Scalp>>;
-        /// Strands in a cluster of density 1 and radius 1 cm. The number grows with density and with the area of the
-        /// cross-section.
+        /// Strands in a cluster of density 1 and radius 1 cm. The number scales with density and cross-section area.
         strands: i64 = 512, hard(0.0, 65536.0), soft(16.0, 2048.0), unit(Count), words("amount number");
-        /// Exactly so many strands in every cluster, whatever its density and radius. 0: as density and radius ask.
+        /// Exact number of strands per cluster. 0: as density and radius ask.
         count: i64 = 0, hard(0.0, 65536.0), soft(0.0, 2000.0), unit(Count), words("amount number");
-        /// How full the cluster is: 0 has no strands, 1 has all. Read at the root.
+        /// How full the cluster is, 0 to 1. Read at the root.
         density: FieldInput = Field::Attribute(DENSITY.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("fullness");
-        /// Radius of the cross-section. May vary along the cluster, which makes tapered locks; the radius at the
-        /// root decides where roots lie and how many, or where a cluster begins in a point, the first radius that holds a strand.
+        /// Radius of the cross-section. Vary it along the cluster for tapered locks. The radius at the root sets the place and
+        /// number of roots.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
-        /// Multiplies the radius from root to tip: let it fall for locks that end in a point.
+        /// Factor of the radius from root (left) to tip. Let it fall for locks that end in a point.
         profile: Arc<Ramp> = Ramp::constant(1.0), hard(0.0, 100.0), soft(0.0, 1.0), words("taper shape lock wisp tip falloff");
-        /// Whether strands have the colour of their cluster.
+        /// Give strands the colour of their cluster.
         inherit_colour: bool = true, words("color");
-        /// Colour of the strands when they do not inherit it.
+        /// Colour of strands that do not inherit it.
         colour: Colour = COLOUR.default, words("color");
 
         [Shape]
-        /// Thickness of the cross-section by its width: 1 is round, less is flat. The flat side lies to the head, or as the
-        /// cluster's own normal says.
+        /// Thickness of the cross-section relative to its width: 1 is round. The flat side faces the head, or follows the
+        /// cluster's own normal.
         flatness: FieldInput = 1.0, hard(0.02, 1.0), unit(Ratio), words("ellipse elliptic oval flat ribbon section");
-        /// Turns the flat side about the cluster.
+        /// Turn of the flat side about the cluster.
         flat_angle: f32 = 0.0, hard(-360.0, 360.0), soft(-90.0, 90.0), unit(Angle), words("ellipse orientation section");
-        /// Turn of the cross-section at each point of the cluster but the root, added up towards the tip and to the
-        /// cluster's own roll. 45 at every point is a rope; negative turns the other way.
+        /// Turn of the cross-section per CV, added up from the root and to the cluster's own roll. 45 makes a rope; negative turns
+        /// the other way.
         twist: FieldInput = 0.0, hard(-3600.0, 3600.0), soft(-90.0, 90.0), unit(Angle), words("rope twirl spin roll");
 
         [Clumping]
-        /// Wisps that strands draw together to; 0: all to the cluster's middle.
+        /// Wisps that strands draw together to; 0: all to the cluster's centre.
         wisps: i64 = 0, hard(0.0, 4096.0), soft(0.0, 40.0), unit(Count), words("clumps sub clumps locks");
-        /// How far strands are drawn together at the root: 0 not at all, 1 to a point.
+        /// How far strands draw together at the root: 0 not at all, 1 to a point.
         root_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather");
-        /// How far strands are drawn together at the tip: 0 not at all, 1 to a point.
+        /// How far strands draw together at the tip: 0 not at all, 1 to a point.
         tip_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather taper wisp");
 
         [Thickness]
         /// Diameter of a hair at its root.
         width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
-        /// Diameter of a hair at its tip. The same as at the root takes less memory; Set width can taper at the
-        /// end of the graph.
+        /// Diameter of a hair at its tip. Equal widths take less memory; Set width can taper at the end of the graph.
         width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
 
         [Detail]
-        /// Points on each strand, root and tip included. A strongly twisted cluster gets as many more as keep its
-        /// turn under 30 degrees from point to point, up to `most_points`.
+        /// CVs per strand, including root and tip. Strongly twisted clusters get more, to turn at most 30 degrees per CV, up to
+        /// `most_points`.
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
-        /// The most points on a strand. Where its twist or `points` ask for more it has these, evenly, and is told: its turn from point to
-        /// point is then wider than 30 degrees. Engines take no strand of more than 255.
+        /// Limit of CVs per strand. Where twist or `points` need more, strands are coarser and a message says so. Game engines take
+        /// at most 255.
         most_points: i64 = 255, hard(2.0, 4096.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
-        /// Whether points under the skin are moved out to it, as far as the cluster's allow_depth lets them.
+        /// Push CVs out of the skin, except as deep as the cluster's `allow_depth` allows.
         push_out: bool = true, words("collide scalp intersection penetration");
-        /// Whether lengths typed here grow with the size of the head. A radius read from an attribute is in true
-        /// centimetres already.
+        /// Scale lengths with the size of the head. A radius from an attribute is already in true centimetres.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter strands may be than the cluster, drawn for each: 0 none, 0.95 down to a twentieth. They are cut.
+        /// Random shortening per strand: 0 none, 0.95 down to a twentieth. Strands are cut, not scaled.
         length_variation: f32 = 0.0, hard(0.0, 0.95), unit(Ratio), words("random vary cut taper ends");
-        /// How far each strand waves about its place, within the radius.
+        /// How far each strand waves about its path, within the radius.
         jitter: f32 = 0.0, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("random noise natural wave");
-        /// Share of strands that leave the cluster on their way.
+        /// Share of strands that leave the cluster on their way to the tip.
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("flyaways loose hairs");
-        /// How far stray strands are off at most at their tips.
+        /// Largest distance of a stray tip.
         stray_amount: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("flyaways loose hairs");
-        /// How much each strand wanders within the cluster: 0 runs parallel to it, 1 may cross all of it from one
-        /// step to the next.
+        /// How much strands wander within the cluster: 0 runs parallel, 1 may cross it from one step to the next.
         frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()),
             hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
-        /// Distance along the cluster between two random steps of frizz. 0: one step at each of the cluster's points.
+        /// Spacing of random steps of frizz along the cluster. 0: one step at each of the cluster's points.
         frizz_step: f32 = 2.0, hard(0.0, 1000.0), soft(0.5, 5.0), unit(Length), words("scale frequency");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// Hair: one tuft for each cluster.
+        /// Hair, one tuft per cluster.
         curves: Curves;
     }
 }
@@ -139,7 +134,6 @@ pub(super) const COARSE: &str = "strands of a cluster have all the points that m
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    let radius_unit = if reads_attribute(&inputs.radius.field) { 1.0 } else { unit };
     let skin = scalp.map(|scalp| cx.skin(scalp));
     let filler = Filler {
         roots: cx.dice(inputs.seed, "roots"),
@@ -166,16 +160,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (mut thin, mut example) = (0, None);
     for tuft in inputs.curves.tufts() {
         cx.check()?;
-        let [radius, density, other] =
-            [&inputs.radius, &inputs.density, &inputs.flatness].map(|field| field.on(tuft, scalp));
-        let (radius, density, other) = (radius?, density?, other?);
+        let radius = inputs.radius.in_cm(tuft, scalp, unit)?;
+        let (density, other) = (inputs.density.on(tuft, scalp)?, inputs.flatness.on(tuft, scalp)?);
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
             let asked = super::sections::Asked {
                 points: 0,
                 most_points: 0,
                 radius: &radius,
-                radius_unit,
                 profile: &inputs.profile,
                 flatness: &other,
                 flat_angle: 0.0,
@@ -245,8 +237,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let sampled = super::sections::Asked {
             points: inputs.points as usize,
             most_points: inputs.most_points as usize,
-            radius: &inputs.radius.on(tuft, scalp)?,
-            radius_unit,
+            radius: &inputs.radius.in_cm(tuft, scalp, unit)?,
             profile: &inputs.profile,
             flatness: &inputs.flatness.on(tuft, scalp)?,
             flat_angle: inputs.flat_angle,

@@ -27,10 +27,10 @@ use glam::{Mat3, Vec3};
 use std::sync::{Arc, OnceLock};
 
 node! {
-    /// Grow hair all over the scalp that follows the guides around it.
+    /// Grows hair between guides, all over the scalp.
     ///
-    /// Each hair is a blend of the guides nearest to its root, turned with the scalp from theirs to its own.
-    /// Combing a guide makes only the hair around it again; raising the density only adds hair.
+    /// Each hair blends the guides nearest to its root and follows the curve of the scalp. Combing a guide rebuilds only the
+    /// hair around it; a higher density only adds hair.
     "interpolate", version 1, label "Interpolate",
         words "hair generate grow fill children between guides from curves density populate xgen description primitives fur", thins;
     inputs {
@@ -38,49 +38,48 @@ node! {
         guides: Curves;
         /// The head that the hair grows on.
         scalp: Arc<Scalp>;
-        /// Whether the number of hairs is given, or how many there are on a square centimetre.
+        /// Whether to set the number of hairs or their density.
         by: By = By::Density;
-        /// Hairs on a square centimetre, when by density. People have 130 to 250.
+        /// Hairs per square centimetre, when by density. People have 130 to 250.
         density: f32 = 120.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number"),
             idle(|of| unless(of, "by", "density", "the number goes by count"));
         /// Hairs on the whole region, when by count.
         count: i64 = 20000, hard(0.0, 2000000.0), soft(100.0, 150000.0), unit(Count), words("amount number"),
             idle(|of| unless(of, "by", "count", "the number goes by density"));
-        /// How many of the hairs are kept, from none to all; usually a painted mask.
+        /// Share of the hairs to keep; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint thin");
-        /// Diameter of a hair.
+        /// Diameter of the hair.
         width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
 
         [Placement]
-        /// How many guides shape a hair. More is smoother, fewer keeps the guides' own character; 1 copies the nearest.
+        /// Guides blended per hair. More is smoother; fewer keeps the character of the guides; 1 copies the nearest.
         guides_per_hair: i64 = 3, hard(1.0, 16.0), soft(1.0, 8.0), unit(Count), words("neighbours blend");
-        /// Guides whose root is farther from the hair's than this do not count, and hair without any is not grown.
+        /// Guides farther from the hair's root than this are ignored; without any, no hair grows.
         /// 0: no limit.
         reach: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), words("distance radius"), handle(Handle::Radius);
 
         [Clumping]
-        /// How much hair is drawn to the nearest guide.
+        /// How far hair is drawn to the nearest guide.
         clump: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gather wisp lock bunch");
-        /// How clumping grows from root (left) to tip.
+        /// Clumping from root (left) to tip.
         clump_along: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gather profile");
 
         [Detail]
-        /// Points on each hair, root and tip included.
+        /// CVs per hair, including root and tip.
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
-        /// Whether points under the skin are moved out to it, as far as the nearest guide's allow_depth lets them.
+        /// Push CVs out of the skin, except as deep as the nearest guide's `allow_depth` allows.
         push_out: bool = true, words("collide scalp intersection penetration");
-        /// Whether lengths grow with the size of the head, and the density with its square falls.
+        /// Scale lengths with the head, and density inversely with its area, so the number of hairs stays.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How much shorter a hair may be than its guides, drawn for each: 0 none, 0.95 down to a twentieth. It is cut,
-        /// not shrunk.
+        /// Random shortening per hair: 0 none, 0.95 down to a twentieth. Hair is cut, not scaled.
         length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary cut");
-        /// Seed tag; stored, mixed into ids and randomness.
+        /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
     outputs {
-        /// Hair, gathered in tufts by the nearest guide.
+        /// Hair, one tuft per nearest guide.
         curves: Curves;
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, NORMAL, ROLL, SCALP_NORMAL};
 use crate::data::curves::{Tuft, View};
-use crate::data::field::{Field, Sampler};
+use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{Frame, across, any_normal, carry, frames};
@@ -25,7 +25,6 @@ pub(super) struct Asked<'a> {
     /// The most points of a strand, whatever else asks for more.
     pub most_points: usize,
     pub radius: &'a Sampler<'a>,
-    pub radius_unit: f32,
     /// Multiplies the radius, root to tip.
     pub profile: &'a Ramp,
     /// Thickness by width of the cross-section.
@@ -92,15 +91,6 @@ impl Section {
     }
 }
 
-/// Whether any part of a field is an attribute, which is in true cm already.
-pub(crate) fn reads_attribute(field: &Field) -> bool {
-    match field {
-        Field::Attribute(_) => true,
-        Field::Product(parts) => parts.iter().any(reads_attribute),
-        _ => false,
-    }
-}
-
 impl Sections {
     pub(super) fn new(
         tuft: &Tuft,
@@ -118,9 +108,8 @@ impl Sections {
         let (us, places, coarse) = strand_points(&spline, asked, &rolls);
 
         let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
-        let radius_at = |place: Place, u: f32| {
-            sample(asked.radius, place, u) * asked.radius_unit * asked.profile.at(u).max(0.0)
-        };
+        let radius_at =
+            |place: Place, u: f32| sample(asked.radius, place, u) * asked.profile.at(u).max(0.0);
         let root_radius = open_radius(tuft, curve, asked, |cv| spline.u_of_cv(cv));
         let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
         let normal = match hit {
@@ -229,7 +218,7 @@ fn radii(
     (0..cvs.len()).map(move |cv| {
         let u = u(cv);
         let radius = asked.radius.at(curve, cvs.start + cv, u);
-        radius * asked.radius_unit * asked.profile.at(u).max(0.0)
+        radius * asked.profile.at(u).max(0.0)
     })
 }
 

@@ -168,13 +168,21 @@ pub struct Declared<T> {
     pub doc: &'static str,
 }
 
+/// Whether a declared attribute is a length in true centimetres; `None` where none of that name is declared.
+pub(super) fn is_length(name: &str) -> Option<bool> {
+    LENGTHS.iter().find(|(declared, _)| *declared == name).map(|(_, cm)| *cm)
+}
+
 macro_rules! declare {
-    ($($(#[doc = $doc:literal])* $id:ident: $ty:ty = $name:literal, $default:expr;)*) => {
+    ($($(#[doc = $doc:literal])* $id:ident: $ty:ty = $name:literal, $default:expr $(, $cm:ident)?;)*) => {
         $($(#[doc = $doc])* pub const $id: Declared<$ty> =
             Declared { name: $name, default: $default, doc: concat!($($doc),*) };)*
         /// Name, type and meaning of every declared attribute, for the manual.
         pub const DECLARED: &[(&str, &str, &str)] =
             &[$(($name, stringify!($ty), concat!($($doc),*))),*];
+
+        /// Whether each is a length in centimetres.
+        const LENGTHS: &[(&str, bool)] = &[$(($name, stringify!($($cm)?).len() == "cm".len())),*];
 
         fn declared_default(name: &str) -> Option<Column> {
             match name {
@@ -203,9 +211,9 @@ declare! {
     /// Scalp normal closest to the point (or to the root). Unit; zero: unknown.
     SCALP_NORMAL: Vec3 = "scalp_normal", Vec3::ZERO;
     /// Radius of the cross-section of a cluster or braid strand, cm.
-    RADIUS: f32 = "radius", 1.0;
+    RADIUS: f32 = "radius", 1.0, cm;
     /// Diameter of a hair, cm.
-    WIDTH: f32 = "width", 0.008;
+    WIDTH: f32 = "width", 0.008, cm;
     /// Rotation about the curve of what follows it, degrees, accumulated from the root.
     ROLL: f32 = "roll", 0.0;
     /// How far strands wander from their cluster, 0 to 1.
@@ -220,7 +228,7 @@ declare! {
     /// Colour, linear Rec.709.
     COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
     /// Depth below the skin that the curve may reach, cm.
-    ALLOW_DEPTH: f32 = "allow_depth", 0.0;
+    ALLOW_DEPTH: f32 = "allow_depth", 0.0, cm;
     /// Normal of the curve's frame at each point. Unit; zero: unknown.
     NORMAL: Vec3 = "normal", Vec3::ZERO;
     /// Id of the braid that a strand, stitch or hair belongs to. 0: none.
@@ -240,9 +248,9 @@ declare! {
     /// Index of the curve's group, such as the stitch that hair from a parting runs to.
     GROUP: i32 = "group", 0;
     /// Arc length before shortening or coiling, cm; 0: unchanged.
-    FIBRE: f32 = "fibre_length", 0.0;
+    FIBRE: f32 = "fibre_length", 0.0, cm;
     /// Distance of the root from where it was drawn, after the drawing is transferred to this head, cm.
-    DRIFT: f32 = "drift", 0.0;
+    DRIFT: f32 = "drift", 0.0, cm;
     /// Id of the section of the scalp, between partings, that the root lies in. 0: none.
     SECTION: u64 = "section", 0;
     /// Id of the parting that a curve on the scalp is a piece of. 0: none.
@@ -252,9 +260,9 @@ declare! {
     /// 1 for extension hair fed into a braid, 0 for hair that grows.
     FED: i32 = "fed", 0;
     /// Requested curl diameter in the middle of this hair, from 0.3 to 0.9 of its length, cm; 0: not curled.
-    CURL_DIAMETER: f32 = "curl_diameter", 0.0;
+    CURL_DIAMETER: f32 = "curl_diameter", 0.0, cm;
     /// Requested mean length of the source curve per turn, cm; 0: not curled.
-    CURL_PITCH: f32 = "curl_pitch", 0.0;
+    CURL_PITCH: f32 = "curl_pitch", 0.0, cm;
     /// Fraction by which the hair's span is shorter than the hair, 0 to 1.
     SHRINKAGE: f32 = "shrinkage", 0.0;
     /// Id of the puff, bun or tail that a hair belongs to. 0: none.
@@ -262,7 +270,7 @@ declare! {
     /// Centre of the outline that the tips of a puff lie on, cm.
     PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO;
     /// Distance from the puff's centre to its outline at the end of this hair, cm; 0: none.
-    PUFF_RADIUS: f32 = "puff_radius", 0.0;
+    PUFF_RADIUS: f32 = "puff_radius", 0.0, cm;
     /// Requested angle from the top of a puff down to which its tips reach, degrees; 0: unknown.
     PUFF_COVERAGE: f32 = "puff_coverage", 0.0;
     /// Requested roughness of a puff's outline: how much deeper the innermost tips end than the outermost, as a
@@ -271,5 +279,5 @@ declare! {
     /// Centre of the ring where hair leaves the tie that holds it, cm.
     TIE: Vec3 = "tie", Vec3::ZERO;
     /// Radius of that ring, cm; 0: no tie holds the hair.
-    TIE_RADIUS: f32 = "tie_radius", 0.0;
+    TIE_RADIUS: f32 = "tie_radius", 0.0, cm;
 }

@@ -68,7 +68,19 @@ impl Field {
         scalp: Option<&Scalp>,
         range: (f32, f32),
     ) -> Result<Sampler<'a>, FieldFault> {
-        Ok(Sampler { part: self.part(tuft, scalp)?, range })
+        self.in_cm(tuft, scalp, range, 1.0)
+    }
+
+    /// [`Self::on`] as a length: `unit` centimetres for each one, unless the number is in centimetres already.
+    pub fn in_cm<'a>(
+        &'a self,
+        tuft: &'a Tuft,
+        scalp: Option<&Scalp>,
+        range: (f32, f32),
+        unit: f32,
+    ) -> Result<Sampler<'a>, FieldFault> {
+        let unit = if is_in_cm(self) { 1.0 } else { unit };
+        Ok(Sampler { part: self.part(tuft, scalp)?, range, unit })
     }
 
     fn part<'a>(&'a self, tuft: &'a Tuft, scalp: Option<&Scalp>) -> Result<Part<'a>, FieldFault> {
@@ -196,6 +208,16 @@ impl Field {
     }
 }
 
+/// Whether a number comes of a length that is in centimetres already: an attribute that is declared as one, or that nobody
+/// declares, or a product with it.
+fn is_in_cm(field: &Field) -> bool {
+    match field {
+        Field::Attribute(name) => super::attributes::is_length(name).unwrap_or(true),
+        Field::Product(parts) => parts.iter().any(is_in_cm),
+        _ => false,
+    }
+}
+
 fn declared_number(name: &str) -> Option<f32> {
     use super::attributes as a;
     let numbers: [Declared<f32>; 8] =
@@ -241,6 +263,8 @@ impl<'a> Places<'a> {
 pub struct Sampler<'a> {
     part: Part<'a>,
     range: (f32, f32),
+    /// Factor of what comes out.
+    unit: f32,
 }
 
 #[derive(Debug)]
@@ -281,9 +305,9 @@ impl Sampler<'_> {
     #[inline]
     pub fn at(&self, curve: usize, point: usize, u: f32) -> f32 {
         if let Part::View(View::Shared(x)) = self.part {
-            return x.max(self.range.0).min(self.range.1);
+            return x.max(self.range.0).min(self.range.1) * self.unit;
         }
-        self.part.at(curve, point, u).max(self.range.0).min(self.range.1)
+        self.part.at(curve, point, u).max(self.range.0).min(self.range.1) * self.unit
     }
     /// Whether the value is the same at all points of a curve.
     pub fn is_of_curves(&self) -> bool {
@@ -318,6 +342,33 @@ mod tests {
             Field::Product(vec![Field::Constant(3.0), Field::Ramp(Ramp::linear(0.0, 1.0))]);
         assert_eq!(product.on(&tuft, None, (0.0, 9.0)).unwrap().at(0, 0, 0.5), 1.5);
         assert_eq!(product.constant(), None);
+    }
+
+    #[test]
+    fn what_is_typed_grows_with_the_unit_and_lengths_of_attributes_do_not() {
+        let mut b = TuftBuilder::new();
+        b.push_curve(&[Vec3::ZERO, Vec3::Y]);
+        b.set_named("radius".into(), Domain::Curve, vec![3.0f32]);
+        b.set_named("density".into(), Domain::Curve, vec![0.5f32]);
+        b.set_named("mine".into(), Domain::Curve, vec![3.0f32]);
+        let tuft = b.build();
+        let attribute = |name: &str| Field::Attribute(name.into());
+        let product = |part: Field| Field::Product(vec![part, Field::Constant(0.5)]);
+        let check = |field: Field, cm: f32| {
+            let sampler = field.in_cm(&tuft, None, (0.0, 2.0), 10.0).unwrap();
+            assert_eq!(sampler.at(0, 0, 0.5), cm, "{field:?}");
+        };
+        check(Field::Constant(1.5), 15.0);
+        // Clamped as it was typed.
+        check(Field::Constant(3.0), 20.0);
+        check(Field::Ramp(Ramp::linear(0.0, 1.0)), 5.0);
+        check(attribute("radius"), 2.0);
+        check(product(attribute("radius")), 1.5);
+        check(product(product(attribute("radius"))), 0.75);
+        // A share of what is typed.
+        check(attribute("density"), 5.0);
+        check(product(attribute("density")), 2.5);
+        check(attribute("mine"), 2.0);
     }
 
     #[test]

@@ -161,9 +161,9 @@ fn threads<'a>(cx: &EvalCx, inputs: &'a Inputs, unit: f32) -> Result<Threads<'a>
     let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
     let (mut threads, mut from) = (vec![], vec![]);
     for tuft in inputs.roots.tufts() {
-        let length = inputs.length.on(tuft, scalp)?;
-        let clearance = inputs.clearance.on(tuft, scalp)?;
-        let stiffness = inputs.stiffness.on(tuft, scalp)?;
+        let length = inputs.length.in_cm(tuft, scalp, unit)?;
+        let clearance = inputs.clearance.in_cm(tuft, scalp, unit)?;
+        let stiffness = inputs.stiffness.in_cm(tuft, scalp, unit)?;
         let lie = inputs.lie.on(tuft, scalp)?;
         for i in 0..tuft.len() {
             let parent = tuft.id(i);
@@ -189,10 +189,9 @@ fn threads<'a>(cx: &EvalCx, inputs: &'a Inputs, unit: f32) -> Result<Threads<'a>
                 flow,
                 direction: (flow * cos + normal * sin).normalize_or(normal),
                 length: length.at(i, first, 0.0)
-                    * unit
                     * (1.0 - inputs.length_variation * vary.unit(id, 0)),
-                clearance: clearance.at(i, first, 0.0) * unit,
-                stiffness: stiffness.at(i, first, 0.0) * unit,
+                clearance: clearance.at(i, first, 0.0),
+                stiffness: stiffness.at(i, first, 0.0),
             });
             from.push((&**tuft, i));
         }

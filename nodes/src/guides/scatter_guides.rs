@@ -125,9 +125,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let roots = roots(cx, &inputs, unit)?;
     let bound = bound(&roots, inputs.seed);
-    let length = inputs.length.on(&bound, Some(scalp))?;
+    let length = inputs.length.in_cm(&bound, Some(scalp), unit)?;
     let lie = inputs.lie.on(&bound, Some(scalp))?;
-    let radius = inputs.radius.on(&bound, Some(scalp))?;
+    let radius = inputs.radius.in_cm(&bound, Some(scalp), unit)?;
     let skin = cx.skin(scalp);
     let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
     let grower = Grower { scalp, skin, inputs: &inputs, unit };
@@ -141,12 +141,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (id, (_, root)) = (bound.id(i), &roots[i]);
         let shorter = 1.0 - inputs.length_variation * vary.unit(id, 0);
         let random = [0, 1].map(|n| stray.signed(id, n) * inputs.randomness.to_radians());
-        let length = length.at(i, i, 0.0) * unit * shorter;
+        let length = length.at(i, i, 0.0) * shorter;
         let points = grower.grow(root, length, lie.at(i, i, 0.0).to_radians(), random);
         let mut b = TuftBuilder::new();
         b.push_curve(&points);
         b.set(ID, Domain::Curve, vec![id]);
-        b.set(RADIUS, Domain::Curve, vec![radius.at(i, i, 0.0) * unit]);
+        b.set(RADIUS, Domain::Curve, vec![radius.at(i, i, 0.0)]);
         b.set(DENSITY, Domain::Curve, vec![DENSITY.default]);
         b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
         b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);

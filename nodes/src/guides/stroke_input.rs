@@ -194,16 +194,16 @@ fn drawn_curve(
         tuft.set(DRIFT, Domain::Curve, vec![root.point.distance(drawn)]);
     }
     let bound = tuft.build();
-    let (radius, offset) =
-        (inputs.radius.on(&bound, Some(scalp))?, inputs.offset.on(&bound, Some(scalp))?);
+    let radius = inputs.radius.in_cm(&bound, Some(scalp), unit)?;
+    let offset = inputs.offset.in_cm(&bound, Some(scalp), unit)?;
     let mut tuft = bound.edit();
     let by_pressure = |k: usize| 1.0 + inputs.pressure_radius * (pressure[k] - 1.0);
-    let radii = (0..n).map(|k| radius.at(0, k, part(k)) * unit * by_pressure(k)).collect();
+    let radii = (0..n).map(|k| radius.at(0, k, part(k)) * by_pressure(k)).collect();
     tuft.set(RADIUS, Domain::Point, radii);
     if inputs.project == Project::Scalp {
         over_folds(&mut points, &normals, skin, scalp.frame().radius);
         for (k, p) in points.iter_mut().enumerate() {
-            *p += normals[k] * (offset.at(0, k, part(k)) * unit);
+            *p += normals[k] * offset.at(0, k, part(k));
         }
         tuft.set_points(points);
     }

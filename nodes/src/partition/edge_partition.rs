@@ -502,15 +502,10 @@ fn row_hairs(
     let row = ground.own;
     let scalp = Some(&*inputs.scalp);
     let mediate = inputs.mediate.on(tuft, scalp)?;
-    let lift = inputs.lift.on(tuft, scalp)?;
+    let lift = inputs.lift.in_cm(tuft, scalp, unit)?;
     let pull = inputs.pull_angle.on(tuft, scalp)?;
-    let radius = inputs.row_radius.on(tuft, scalp)?;
-    // An attribute holds true centimetres; a typed number is in head units.
-    let radius_unit = match *inputs.row_radius.field {
-        Field::Attribute(_) => 1.0,
-        _ => unit,
-    };
-    let radius_at = |u: f32| radius.along(tuft, curve, u) * radius_unit;
+    let radius = inputs.row_radius.in_cm(tuft, scalp, unit)?;
+    let radius_at = |u: f32| radius.along(tuft, curve, u);
 
     let lead = inputs.lead * unit / row.length();
     let count = asked(inputs, row, unit);
@@ -535,7 +530,7 @@ fn row_hairs(
             side,
             mediate: mediate.along(tuft, curve, along) * (1.0 - inputs.jitter * b),
             pull: angle.to_radians(),
-            lift: lift.along(tuft, curve, along) * unit * (1.0 + 0.8 * vary(1)),
+            lift: lift.along(tuft, curve, along) * (1.0 + 0.8 * vary(1)),
             round: (ROUND + 50.0 * vary(2)).to_radians(),
         };
         let Some(start) = pulled::start(rules, ground, &reach, &wish) else { continue };

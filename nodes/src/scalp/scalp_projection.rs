@@ -76,7 +76,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 fn projected(inputs: &Inputs, tuft: &Tuft, piece: &mut Piece) -> Result<Tuft, NodeError> {
     let scalp = &*inputs.scalp;
     let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
-    let offset = inputs.offset.on(tuft, Some(scalp))?;
+    let offset = inputs.offset.in_cm(tuft, Some(scalp), unit)?;
     let amount = inputs.amount.on(tuft, Some(scalp))?;
     let mut out = TuftBuilder::new();
     let mut spline = Spline::default();
@@ -144,7 +144,7 @@ impl Wish<'_> {
         self.value(self.amount, place)
     }
     fn offset_at(&self, place: Place) -> f32 {
-        self.value(self.offset, place) * self.unit
+        self.value(self.offset, place)
     }
 
     fn kept(&self) -> (Vec<Vec3>, Vec<Place>) {

@@ -16,47 +16,47 @@ use crate::eval::EvalCx;
 use std::sync::Arc;
 
 node! {
-    /// Draws hair together to clumps: locks, wisps and what they are made of.
+    /// Draws hair together into clumps: locks, wisps, and wisps within wisps.
     ///
-    /// Clumps lie where density strews them; or wire curves to draw hair to the nearest of them, or name an attribute that says
-    /// who belongs together. Finer levels make clumps of clumps. Roots stay, and so do lengths.
+    /// Density spreads clump centres over the scalp. Instead, wire curves to draw each hair to the nearest one, or name an
+    /// attribute that groups hairs. Finer levels add clumps within clumps. Roots and lengths stay.
     "clump", version 1, label "Clump",
         words "hair curves clump clumps clumping gather wisp wisps lock locks bunch group tuft strand separate piecey wet modifier";
     inputs {
-        /// Hair to draw together.
+        /// Hair to clump.
         curves: Curves;
-        /// The head that it stays out of; hair of two sections is never drawn together.
+        /// Head that the hair stays out of. Hair of different sections never clumps together.
         scalp: Option<Arc<Scalp>>;
-        /// Curves to draw hair to: each goes to the one rooted nearest.
+        /// Curves to draw hair to. Each hair goes to the curve with the nearest root.
         centres: Option<Curves>, words("guides centers middles clusters");
-        /// How far hair is drawn together: 0 not at all, 1 to a line.
+        /// How far hair is drawn to its centre: 0 not at all, 1 onto it.
         amount: FieldInput = 0.8, hard(0.0, 1.0), unit(Ratio), words("tightness strength factor");
-        /// How the amount grows from root (left) to tip.
+        /// Amount from root (left) to tip.
         along: Arc<Ramp> = Ramp::smooth(0.0, 1.0), hard(0.0, 1.0), words("profile falloff shape ramp");
-        /// Clumps on a square centimetre. With curves or an attribute it counts for the finer levels alone.
+        /// Clumps per square centimetre. With curves or an attribute, it sets only the finer levels.
         density: f32 = 0.6, hard(0.01, 1000.0), soft(0.1, 10.0), unit(PerCm2), words("number size count"),
             idle(only_finer);
-        /// Clumps, and clumps within them: each level has four times as many as the one before.
+        /// Levels of clumps within clumps. Each level has four times as many clumps as the one before.
         levels: i64 = 2, hard(1.0, 5.0), soft(1.0, 4.0), unit(Count), words("sub clumps multi level hierarchy");
-        /// Attribute whose value says which hairs belong together, such as parent; with curves, the id of the one that a hair goes to.
+        /// Attribute that groups hairs into clumps, such as parent. With curves, it holds the id of each hair's curve.
         attribute: Arc<str> = "", words("id parent map group");
-        /// Turn of a clump about its middle from root to tip.
+        /// Turn of each clump about its centre, from root to tip.
         twist: f32 = 0.0, hard(-3600.0, 3600.0), soft(-360.0, 360.0), unit(Angle), words("twirl rope spin roll");
 
         [Detail]
-        /// Whether every hair stays as long as it was, piece by piece.
+        /// Keep the length of every segment.
         keep_length: bool = true, words("preserve stretch");
-        /// Whether the density falls with the square of the head's size.
+        /// Scale the spacing of clumps with the size of the head.
         scale_with_head: bool = true;
 
         [Randomness]
-        /// Share of hairs that are in no clump.
+        /// Share of hairs left out of all clumps.
         strays: f32 = 0.05, hard(0.0, 1.0), soft(0.0, 0.3), unit(Ratio), words("flyaways loose hairs noise");
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair in clumps.
+        /// The hair, clumped.
         curves: Curves;
     }
 }

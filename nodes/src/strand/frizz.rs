@@ -6,7 +6,6 @@
 
 use super::held::Held;
 use super::walk::{smooth, wander};
-use crate::cluster::sections::reads_attribute;
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
@@ -16,36 +15,36 @@ use glam::Vec2;
 use std::sync::Arc;
 
 node! {
-    /// Gives every hair small kinks of its own.
+    /// Adds short random kinks to every hair.
     ///
-    /// Roots stay, and so do lengths: the more hair frizzes, the shorter it looks. It takes points that are as near to each other as
-    /// the kinks.
+    /// Roots and lengths stay, so hair looks shorter the more it frizzes. The hair needs CVs at least as dense as the kinks:
+    /// resample it first.
     "frizz", version 1, label "Frizz",
         words "hair curves frizz frizzy kink crimp fuzzy fuzz scraggle messy rough random noise modifier dry humid";
     inputs {
         /// Hair to change.
         curves: Curves;
-        /// The head that it stays out of; masks need it, too.
+        /// Head that the hair stays out of. Masks need it too.
         scalp: Option<Arc<Scalp>>;
-        /// How far aside hair goes at most.
+        /// Largest distance of a kink from the hair's path.
         amplitude: FieldInput = 0.5, hard(0.0, 100.0), soft(0.0, 2.0), unit(Length), words("amount magnitude strength intensity");
-        /// Factor of the amplitude from root (left) to tip.
+        /// Amplitude factor from root (left) to tip.
         along: Arc<Ramp> = Ramp::linear(0.3, 1.0), hard(-10.0, 10.0), soft(0.0, 1.0), words("profile falloff ramp");
-        /// Distance along the hair from one kink to the next.
+        /// Spacing of kinks along the hair.
         step: f32 = 0.5, hard(0.02, 1000.0), soft(0.1, 3.0), unit(Length), words("frequency wavelength scale size");
-        /// How wild a kink is: 1 may cross all of the hair's room, less wanders.
+        /// How sharp kinks are: 1 may jump across the whole amplitude, lower values drift.
         kink: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("sharpness wild");
-        /// How much less some hairs frizz than others, drawn for each: 1 lets some be smooth.
+        /// How much less some hairs frizz than others. At 1, some stay smooth.
         variation: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("random vary");
-        /// Whether every hair stays as long as it was, piece by piece.
+        /// Keep the length of every segment.
         keep_length: bool = true, words("preserve stretch");
-        /// Whether lengths typed here grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair with kinks.
+        /// The hair, frizzed.
         curves: Curves;
     }
 }
@@ -56,17 +55,16 @@ const MOST_STEPS: f32 = 4096.0;
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    let own_unit = if reads_attribute(&inputs.amplitude.field) { 1.0 } else { unit };
     let step = inputs.step * unit;
     let (walk_dice, dice) =
         (cx.dice(inputs.seed, "frizz"), cx.dice(inputs.seed, "frizz of a hair"));
     let held = Held { scalp, keep_length: inputs.keep_length };
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let amplitude = inputs.amplitude.on(tuft, scalp)?;
+        let amplitude = inputs.amplitude.in_cm(tuft, scalp, unit)?;
         let (mut frames, mut walk, mut steps) = (vec![], vec![], vec![]);
         let bent = held.bend(tuft, piece, |hair, i, new| {
             let (first, id) = (tuft.range(i).start, tuft.id(i));
-            let own = own_unit * (1.0 - inputs.variation * dice.unit(id, 0));
+            let own = 1.0 - inputs.variation * dice.unit(id, 0);
             let far = |k: usize| {
                 let u = hair.u(k);
                 amplitude.at(i, first + k, u) * own * inputs.along.at(u)

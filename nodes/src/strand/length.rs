@@ -7,7 +7,6 @@
 
 use super::held::Held;
 use super::shorten::{Shortened, grow_on};
-use crate::cluster::sections::reads_attribute;
 use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::scalp::Scalp;
@@ -18,47 +17,46 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Makes hair shorter or longer.
+    /// Cuts, extends or scales hair to a length.
     ///
-    /// By a share of its length or in centimetres, for each hair as a number, an attribute or a painted mask says, and a little
-    /// shorter for some. To cut hair to an outline take Trim.
+    /// The length is a share of the hair's own, or centimetres; attributes and painted masks vary it. To cut hair to an
+    /// outline, use Trim.
     "length", version 1, label "Length",
         words "length cut shorten lengthen extend grow scale longer shorter random vary variation layers uneven modifier";
     inputs {
         /// Hair to change.
         curves: Curves;
-        /// The head that new points stay out of; masks need it, too.
+        /// Head that new CVs stay out of. Masks need it too.
         scalp: Option<Arc<Scalp>>;
-        /// Whether lengths are shares of what each hair has, or centimetres.
+        /// Whether to give the length as a share of the hair's own, or in centimetres.
         by: By = By::Share, words("relative absolute");
-        /// Length as a share of what the hair has. Read at the root.
+        /// Share of the hair's own length. Read at the root.
         share: FieldInput = 1.0, hard(0.0, 100.0), soft(0.0, 2.0), unit(Ratio), words("factor percent multiply"),
             idle(|of| unless(of, "by", "share", "lengths are given in centimetres"));
         /// Length of the hair. Read at the root.
         length: FieldInput = 10.0, hard(0.0, 1000.0), soft(0.0, 60.0), unit(Length), words("absolute target"), handle(Handle::Length),
             idle(|of| unless(of, "by", "length", "lengths are shares of what hair has"));
-        /// How hair gets its length.
+        /// How the length changes.
         way: Way = Way::Cut, words("method mode trim stretch");
-        /// Which hair is changed.
+        /// Which hairs change.
         change: Change = Change::Any, words("limit only clamp minimum maximum");
-        /// How much shorter than asked a hair may be, drawn for each: 0 none, 0.95 down to a twentieth. Most hairs are nearly as long
-        /// as the longest.
+        /// Random shortening per hair: 0 none, 0.95 down to a twentieth. Most hairs stay close to full length.
         variation: f32 = 0.15, hard(0.0, 0.95), unit(Ratio), words("random vary uneven between");
-        /// Whether centimetres typed here grow with the size of the head.
+        /// Scale centimetres with the size of the head.
         scale_with_head: bool = true;
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, as long as asked.
+        /// The hair at its new length.
         curves: Curves;
     }
 }
 
 choice! {
-    /// What lengths are told in.
+    /// Unit of the length.
     By {
-        /// Shares of the length that a hair has.
+        /// A share of the hair's own length.
         Share = "share",
         /// Centimetres.
         Length = "length",
@@ -66,23 +64,23 @@ choice! {
 }
 
 choice! {
-    /// How hair gets another length.
+    /// How the length changes.
     Way {
-        /// It is cut off, or grows on as its tip does.
+        /// Cut, or extended in the direction of the tip.
         Cut = "cut",
-        /// All of it is made smaller or larger about its root.
+        /// Scaled about the root.
         Scale = "scale",
     }
 }
 
 choice! {
-    /// Which hair is changed.
+    /// Which hairs change.
     Change {
-        /// All of it.
+        /// All hair.
         Any = "any",
-        /// Hair that is longer than asked.
+        /// Only hair that is longer.
         Shorten = "shorten",
-        /// Hair that is shorter than asked.
+        /// Only hair that is shorter.
         Lengthen = "lengthen",
     }
 }
@@ -95,7 +93,6 @@ const RIGHT: f32 = 1e-5;
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head && inputs.by == By::Length);
-    let own_unit = if reads_attribute(&inputs.length.field) { 1.0 } else { unit };
     let dice = cx.dice(inputs.seed, "length");
     if let (By::Share, Way::Cut, Some(share)) = (inputs.by, inputs.way, inputs.share.constant())
         && inputs.change != Change::Shorten
@@ -109,11 +106,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let field = match inputs.by {
             By::Share => inputs.share.on(tuft, scalp)?,
-            By::Length => inputs.length.on(tuft, scalp)?,
+            By::Length => inputs.length.in_cm(tuft, scalp, unit)?,
         };
         let wanted = |i: usize, length: f32| {
             let asked = field.at(i, tuft.range(i).start, 0.0);
-            let asked = asked * if inputs.by == By::Share { length } else { own_unit };
+            let asked = if inputs.by == By::Share { asked * length } else { asked };
             let cut = dice.unit(tuft.id(i), 0);
             let asked = asked * (1.0 - inputs.variation * cut * cut);
             match inputs.change {

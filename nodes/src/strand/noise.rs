@@ -6,7 +6,6 @@
 use super::hair::Hair;
 use super::held::Held;
 use super::waves::Waves;
-use crate::cluster::sections::reads_attribute;
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
@@ -16,38 +15,38 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Lets hair wave.
+    /// Bends hair with smooth noise.
     ///
-    /// Noise in space moves neighbours together, so that hair waves in locks and sheets; noise along the hair gives each its own
-    /// way. Roots stay, and so do lengths.
+    /// Noise in space moves neighbours together, so hair waves in locks and sheets; noise along the hair bends each strand on
+    /// its own. Roots and lengths stay.
     "noise", version 1, label "Noise",
         words "hair curves noise turbulence perlin fractal displace jitter random natural messy bend wind modifier";
     inputs {
         /// Hair to change.
         curves: Curves;
-        /// The head that it stays out of; masks need it, too.
+        /// Head that the hair stays out of. Masks need it too.
         scalp: Option<Arc<Scalp>>;
-        /// How far aside hair goes at most.
+        /// Largest distance from the hair's path.
         amplitude: FieldInput = 0.6, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("amount magnitude strength intensity");
-        /// Length of the largest waves.
+        /// Wavelength of the largest waves.
         wavelength: f32 = 5.0, hard(0.05, 1000.0), soft(0.5, 20.0), unit(Length), words("frequency scale size");
-        /// Factor of the amplitude from root (left) to tip.
+        /// Amplitude factor from root (left) to tip.
         along: Arc<Ramp> = Ramp::linear(0.0, 1.0), hard(-10.0, 10.0), soft(0.0, 1.0), words("profile falloff ramp");
         /// What waves together.
         together: Together = Together::Space, words("mode space strand correlation coherent");
-        /// How many sizes of waves there are, each half as long as the one before. 1 is smooth.
+        /// Layers of noise, each with half the wavelength of the one before. 1 is smooth.
         octaves: i64 = 2, hard(1.0, 8.0), soft(1.0, 4.0), unit(Count), words("detail complexity smooth");
-        /// Share of each size by the one before it: 0 is smooth, 1 is rough.
+        /// Strength of each layer relative to the one before: 0 is smooth, 1 is rough.
         roughness: f32 = 0.4, hard(0.0, 1.0), unit(Ratio), words("gain persistence smooth");
-        /// Whether every hair stays as long as it was, piece by piece.
+        /// Keep the length of every segment.
         keep_length: bool = true, words("preserve stretch");
-        /// Whether lengths typed here grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, waving.
+        /// The hair, bent.
         curves: Curves;
     }
 }
@@ -55,9 +54,9 @@ node! {
 choice! {
     /// What waves together.
     Together {
-        /// What is near each other in space.
+        /// Hair that is close in space.
         Space = "space",
-        /// Each hair for itself.
+        /// Each hair on its own.
         Hair = "hair",
     }
 }
@@ -65,7 +64,6 @@ choice! {
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    let own_unit = if reads_attribute(&inputs.amplitude.field) { 1.0 } else { unit };
     let wavelength = inputs.wavelength * unit;
     let waves = Waves {
         dice: cx.dice(inputs.seed, "noise"),
@@ -83,12 +81,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let held = Held { scalp, keep_length: inputs.keep_length };
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let amplitude = inputs.amplitude.on(tuft, scalp)?;
+        let amplitude = inputs.amplitude.in_cm(tuft, scalp, unit)?;
         let bent = held.bend(tuft, piece, |hair, i, new| {
             let first = tuft.range(i).start;
             let far = |k: usize| {
                 let u = hair.u(k);
-                amplitude.at(i, first + k, u) * own_unit * inputs.along.at(u)
+                amplitude.at(i, first + k, u) * inputs.along.at(u)
             };
             match inputs.together {
                 Together::Space => wave(hair, new, far, |k| in_space(hair.points()[k])),

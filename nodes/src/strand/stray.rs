@@ -5,7 +5,6 @@
 
 use super::held::Held;
 use super::waves::Waves;
-use crate::cluster::sections::reads_attribute;
 use crate::data::attributes::SCALP_NORMAL;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::ramp::Ramp;
@@ -17,35 +16,35 @@ use glam::Vec3;
 use std::sync::Arc;
 
 node! {
-    /// Lets some hairs leave the others on their way: flyaways, and what never lies as it should.
+    /// Turns a share of the hairs into flyaways that leave the others on their way to the tip.
     ///
-    /// Each bends away in a direction of its own, farther and farther to its tip, and waves a little.
+    /// Each bends away in its own direction, farthest at the tip, with a slight wave.
     "stray", version 1, label "Stray",
         words "hair curves stray strays flyaway flyaways loose wild hairs rogue messy natural modifier baby breakage halo";
     inputs {
         /// Hair to change.
         curves: Curves;
-        /// The head that it stays out of; masks need it, too.
+        /// Head that the hair stays out of. Masks need it too.
         scalp: Option<Arc<Scalp>>;
-        /// Share of hairs that leave; usually a number or a painted mask. Read at the root.
+        /// Share of hairs that leave. Read at the root.
         share: FieldInput = 0.04, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("amount percent number probability");
-        /// How far off they are at most at their tips.
+        /// Largest distance of a tip from its old place.
         distance: FieldInput = 1.5, hard(0.0, 100.0), soft(0.0, 5.0), unit(Length), words("amplitude magnitude strength spread");
-        /// How far off they are from root (left) to tip, as a share of the distance.
+        /// Share of the distance from root (left) to tip.
         along: Arc<Ramp> = Ramp::smooth(0.0, 1.0), hard(-10.0, 10.0), soft(0.0, 1.0), words("profile falloff ramp");
-        /// Whether they leave any way (0), or more and more away from the skin (1).
+        /// Direction: 0 any, 1 away from the skin.
         lift: f32 = 0.4, hard(0.0, 1.0), unit(Ratio), words("up out rise volume");
-        /// How much they wave besides, as a share of the distance.
+        /// Waviness, as a share of the distance.
         wave: f32 = 0.4, hard(0.0, 2.0), soft(0.0, 1.0), unit(Ratio), words("bend curl");
-        /// Whether every hair stays as long as it was, piece by piece.
+        /// Keep the length of every segment.
         keep_length: bool = true, words("preserve stretch");
-        /// Whether lengths typed here grow with the size of the head.
+        /// Scale lengths with the size of the head.
         scale_with_head: bool = true;
-        /// Seed tag; stored, mixed into randomness.
+        /// Random seed for this node.
         seed: i64 = 0;
     }
     outputs {
-        /// The same hair, some of it astray.
+        /// The hair, with flyaways.
         curves: Curves;
     }
 }
@@ -56,12 +55,12 @@ const WAVE: f32 = 6.0;
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    let own_unit = if reads_attribute(&inputs.distance.field) { 1.0 } else { unit };
     let dice = cx.dice(inputs.seed, "stray");
     let waves = Waves { dice: cx.dice(inputs.seed, "stray wave"), octaves: 2, roughness: 0.4 };
     let held = Held { scalp, keep_length: inputs.keep_length };
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let (share, distance) = (inputs.share.on(tuft, scalp)?, inputs.distance.on(tuft, scalp)?);
+        let (share, distance) =
+            (inputs.share.on(tuft, scalp)?, inputs.distance.in_cm(tuft, scalp, unit)?);
         let mut frames = vec![];
         let bent = held.bend(tuft, piece, |hair, i, new| {
             let (first, id) = (tuft.range(i).start, tuft.id(i));
@@ -77,7 +76,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let way = out.normalize_or(aside);
             for (k, p) in new.iter_mut().enumerate().skip(1) {
                 let u = hair.u(k);
-                let off = far * distance.at(i, first + k, u) * own_unit * inputs.along.at(u);
+                let off = far * distance.at(i, first + k, u) * inputs.along.at(u);
                 if off != 0.0 {
                     let wave = waves.along(id, hair.come(k) / (WAVE * unit)) * inputs.wave;
                     *p += (way + wave).clamp_length_max(1.0) * off;

@@ -93,6 +93,34 @@ fn sphere(points: &[DVec3]) -> (DVec3, f64) {
     (centre, radius)
 }
 
+/// A length grows with the head once, whether it is typed, read from an attribute or a product of both: `twists` are as wide as 2.2
+/// times the radius of what they follow.
+#[test]
+fn a_larger_head_has_larger_hair() {
+    let test = "a_larger_head_has_larger_hair";
+    let Some(head) = smooth_heads(test).find(|head| head.name == "sintel") else { return };
+    let on = |graph: &str, outputs: &[&str], scale: f32| {
+        let scale = format!("head.scale={scale}");
+        let sized = ["--quality", "preview", "--set", "head.units=custom", "--set", &scale];
+        written(graph, outputs, &[&head.eval_args()[..], &sized].concat())
+    };
+    let [small, large] = [100.0, 120.0].map(|scale| on("clusters", &["hair.curves"], scale).0);
+    let off = small[0].points.iter().zip(&large[0].points).map(|(a, b)| (*a * 1.2).distance(*b));
+    let mut off: Vec<f32> = off.collect();
+    off.sort_by(f32::total_cmp);
+    assert_eq!(small[0].counts, large[0].counts);
+    // (Single hairs take the other way round an ear.)
+    assert!(off[off.len() * 9 / 10] < 1e-3, "{}", off[off.len() * 9 / 10]);
+    let stitches = |scale| {
+        let (_, file, _folder) = on("twists", &["strands_out.curves"], scale);
+        let ran = run(["measure".as_ref(), file.as_os_str(), "--json".as_ref()]);
+        let measured: Json = serde_json::from_str(&ran.out).unwrap();
+        measured[0]["braids"]["kinds"][0]["stitches"][1].as_f64().unwrap()
+    };
+    let (small, large) = (stitches(100.0), stitches(120.0));
+    assert!((large / small - 1.0).abs() < 0.1, "{small} and {large} stitches a twist");
+}
+
 #[test]
 fn more_density_only_adds_strands_and_the_rest_keeps_its_ids() {
     let ids = |count: &str| {
