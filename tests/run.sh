@@ -26,6 +26,17 @@ if [ ! -c /dev/null ] && [ "$(id -u)" = 0 ]; then
 fi
 
 say() { printf '== %s\n' "$*"; }
+# Puts into `spent` the processor time (s) of all that was started and waited for. (`times` must run in this shell, not in a child of
+# it, and gives two lines, user and system time each: of this shell, and of its children.)
+spend() {
+    times >target/times
+    spent=$(tail -n 1 target/times | tr 'ms' '  ' | awk '{ printf "%.0f", $1*60+$2+$3*60+$4 }')
+}
+# What the step took that began when so much was spent.
+took() {
+    spend
+    printf '   %s s of processor time\n' $((spent - $1))
+}
 missing() { printf 'missing: %s\n' "$*" | tee -a "$log"; }
 
 # --- what the tests need -----------------------------------------------------------------------
@@ -118,10 +129,13 @@ command -v Xvfb >/dev/null && command -v xdotool >/dev/null && command -v import
 # --- checks ------------------------------------------------------------------------------------
 check() {
     say "$*"
+    spend
+    local before=$spent
     if ! "$@"; then
         printf 'FAILED: %s\n' "$*"
         failed=$((failed + 1))
     fi
+    took "$before"
 }
 check cargo fmt --all --check
 check cargo clippy --quiet --workspace --all-targets -- -D warnings
@@ -132,8 +146,11 @@ triple=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
 export "CARGO_TARGET_${triple}_RUNNER=env RUSTC_BOOTSTRAP=1"
 tests() {
     say "$*"
+    spend
+    local before=$spent
     "$@" -- --show-output -Z unstable-options --report-time ${ignored:-} >>"$log" 2>&1
     local code=$?
+    took "$before"
     if [ $code -ne 0 ]; then
         grep -E '^(error|test .* FAILED|thread .* panicked|---- .* stdout ----)' -A 12 "$log" | tail -n 200
         # A run that did not even reach its tests counts as one failure.
@@ -159,9 +176,7 @@ failed=$((failed + $(sum failed)))
 skipped=$(grep -E '^skipped: ' "$log" | awk '{ print $2 }' | sort -u | wc -l)
 say "the slowest tests"
 sed -nE 's/^test (.*) \.\.\. [a-zA-Z]+ <([0-9.]+)s>$/\2 s \1/p' "$log" | sort -rn | head -n 5
-# `times` gives two lines, user and system time each: of this shell, and of all that it started and waited for.
-times >target/times
-tail -n 1 target/times | tr 'ms' '  ' |
-    awk '{ printf "== processor time: %.0f s (%.0f user, %.0f system)\n", $1*60+$2+$3*60+$4, $1*60+$2, $3*60+$4 }'
+spend
+say "processor time: $spent s"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

@@ -5,7 +5,7 @@
 
 use super::shipped::shipped;
 use coif_graphs::grooms;
-use coif_tests::{Ran, eval, lean, program, run_with};
+use coif_tests::{Ran, eval, program, run_with};
 use expect_test::expect_file;
 use serde_json::Value as Json;
 
@@ -30,20 +30,17 @@ fn every_shipped_groom_has_its_hash() {
     expect_file!["../../goldens/grooms.txt"].assert_eq(&lines);
 }
 
-/// The build of these tests, on one thread, where the others run two in the build that `COIF_PROGRAM` names. A tenth of a hero's
-/// hair goes the way of all of it.
+/// The build of these tests, on one thread, where the others run two in the build that `COIF_PROGRAM` names. A tenth of the hair goes
+/// the way of all of it.
 #[test]
 fn one_thread_and_another_build_give_the_same_hair() {
+    const LEAN: [&str; 2] = ["--quality", "preview"];
     for (name, _) in grooms::ALL {
-        let lean = lean(name);
         let args = ["eval", name, "--threads", "1", "--report", "-"];
-        let Ran { code, out, err } = run_with(program(), args.iter().chain(lean));
+        let Ran { code, out, err } = run_with(program(), args.iter().chain(&LEAN));
         assert_eq!(code, 0, "{name}: {err}");
         let report = serde_json::from_str(&out).unwrap_or_else(|err| panic!("{name}: {err}"));
-        let other = match lean {
-            [] => lines_of(name, &shipped(name).report),
-            lean => lines_of(name, &eval(name, &[lean, &["--threads", "2"]].concat())),
-        };
-        assert_eq!(lines_of(name, &report), other);
+        let other = eval(name, &[&LEAN[..], &["--threads", "2"]].concat());
+        assert_eq!(lines_of(name, &report), lines_of(name, &other));
     }
 }

@@ -112,7 +112,7 @@ fn a_larger_head_has_larger_hair() {
     // (Single hairs take the other way round an ear.)
     assert!(off[off.len() * 9 / 10] < 1e-3, "{}", off[off.len() * 9 / 10]);
     let stitches = |scale| {
-        let (_, file, _folder) = on("twists", &["strands_out.curves"], scale);
+        let (_, file, _folder) = on("twists", &["out.curves"], scale);
         let ran = run(["measure".as_ref(), file.as_os_str(), "--json".as_ref()]);
         let measured: Json = serde_json::from_str(&ran.out).unwrap();
         measured[0]["braids"]["kinds"][0]["stitches"][1].as_f64().unwrap()

@@ -4,34 +4,45 @@ use coif_graphs::grooms;
 use coif_tests::{Folder, eval, lean, usd_python};
 use serde_json::Value as Json;
 
+/// Heroes whose text is opened too; of the others `usdc` alone, for a tenth of their hair is 20 MB of text each.
+const AS_TEXT: [&str; 3] = ["afro_4c", "box_braids", "ponytail"];
+
 #[test]
 fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
     let test = "openusd_opens_every_written_file_and_finds_what_the_report_says";
     let Some(python) = usd_python(test) else { return };
     let folder = Folder::new("openusd");
-    let written: Vec<(&str, [String; 2], Json)> = grooms::ALL
+    let written: Vec<(&str, Vec<String>, Json)> = grooms::ALL
         .iter()
         .map(|(name, _)| {
-            let files = ["usda", "usdc"]
-                .map(|extension| folder.path(&format!("{name}.{extension}")).display().to_string());
-            let report =
-                eval(name, &[&["--out", &files[0], "--out", &files[1]], lean(name)].concat());
+            let both = !grooms::HEROES.contains(name) || AS_TEXT.contains(name);
+            let endings = if both { &["usda", "usdc"][..] } else { &["usdc"] };
+            let file = |ending| folder.path(&format!("{name}.{ending}")).display().to_string();
+            let files: Vec<String> = endings.iter().map(file).collect();
+            let out = files.iter().flat_map(|file| ["--out", file]);
+            let report = eval(name, &out.chain(lean(name).iter().copied()).collect::<Vec<_>>());
             (*name, files, report)
         })
         .collect();
     let script = coif_tests::repository().join("tests/usd/validate.py");
-    let files = written.iter().flat_map(|(_, files, _)| files);
-    let ran = std::process::Command::new(&python).arg(&script).arg("pairs").args(files).output();
-    let ran = ran.expect("Python starts");
-    let text = String::from_utf8_lossy(&ran.stdout);
-    assert!(ran.status.success(), "{text}{}", String::from_utf8_lossy(&ran.stderr));
-    let found: Json = serde_json::from_str(&text).unwrap_or_else(|err| panic!("{err}: {text}"));
+    // What each of the files holds; of two of one groom, whether they hold the same.
+    let opened = |how: &str, count: usize| -> Json {
+        let files = written.iter().filter(|(_, files, _)| files.len() == count);
+        let files = files.flat_map(|(_, files, _)| files);
+        let ran = std::process::Command::new(&python).arg(&script).arg(how).args(files).output();
+        let ran = ran.expect("Python starts");
+        let text = String::from_utf8_lossy(&ran.stdout);
+        assert!(ran.status.success(), "{text}{}", String::from_utf8_lossy(&ran.stderr));
+        serde_json::from_str(&text).unwrap_or_else(|err| panic!("{err}: {text}"))
+    };
+    // By the number of files that a groom has.
+    let found = [opened("report", 1), opened("pairs", 2)];
     for (name, files, report) in &written {
         let count = |key: &str| -> u64 {
             report["outputs"].as_array().unwrap().iter().map(|o| o[key].as_u64().unwrap()).sum()
         };
         for file in files {
-            let prims = found[file]["curves"].as_object().unwrap();
+            let prims = found[files.len() - 1][file]["curves"].as_object().unwrap();
             let sum = |array: &str| -> u64 {
                 prims.values().map(|prim| prim[array]["count"].as_u64().unwrap()).sum()
             };
