@@ -168,9 +168,9 @@ pub struct Declared<T> {
     pub doc: &'static str,
 }
 
-/// Whether a declared attribute is a length in true centimetres; `None` where none of that name is declared.
-pub(super) fn is_length(name: &str) -> Option<bool> {
-    LENGTHS.iter().find(|(declared, _)| *declared == name).map(|(_, cm)| *cm)
+/// Whether an attribute is declared as a length, in true centimetres.
+pub(super) fn is_length(name: &str) -> bool {
+    LENGTHS.iter().any(|(declared, cm)| *declared == name && *cm)
 }
 
 macro_rules! declare {

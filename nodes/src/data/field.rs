@@ -208,11 +208,11 @@ impl Field {
     }
 }
 
-/// Whether a number comes of a length that is in centimetres already: an attribute that is declared as one, or that nobody
-/// declares, or a product with it.
+/// Whether a number comes of a length that is in centimetres already: an attribute that is declared as one, or a product with it.
+/// Others, such as the girth of a row, are shares of what is typed.
 fn is_in_cm(field: &Field) -> bool {
     match field {
-        Field::Attribute(name) => super::attributes::is_length(name).unwrap_or(true),
+        Field::Attribute(name) => super::attributes::is_length(name),
         Field::Product(parts) => parts.iter().any(is_in_cm),
         _ => false,
     }
@@ -368,7 +368,7 @@ mod tests {
         // A share of what is typed.
         check(attribute("density"), 5.0);
         check(product(attribute("density")), 2.5);
-        check(attribute("mine"), 2.0);
+        check(product(attribute("mine")), 15.0);
     }
 
     #[test]
