@@ -5,6 +5,7 @@
 //! irradiance to more than 15 % of its largest value, and detail narrower than about 60
 //! degrees; three bands hold none, so what is narrow belongs to the lights of a rig.
 
+use coif_nodes::maths::smoothstep;
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -331,8 +332,7 @@ pub(crate) fn luminance(c: Vec3) -> f32 {
 
 /// Radiance of a soft lamp: 1 around its middle, falling to 0 at `width` (1 - cosine of the angle).
 pub(crate) fn lamp(d: Vec3, middle: Vec3, width: f32) -> f32 {
-    let x = ((d.dot(middle.normalize()) - (1.0 - width)) / width).clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
+    smoothstep((d.dot(middle.normalize()) - (1.0 - width)) / width)
 }
 
 fn studio(d: Vec3) -> Vec3 {

@@ -15,6 +15,7 @@ pub use tubes::tubes;
 
 use crate::view::swatch;
 use coif_nodes::data::scalp::Scalp;
+use coif_nodes::maths::smoothstep;
 use coif_nodes::maths::transcendental::{pow, sin_cos_turns};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -292,10 +293,7 @@ fn eye(head: &mut Solid, scalp: &Scalp, number: u32, tone: Tone, irises: &[Iris]
         let white = tone.of_part(Part::White);
         let Some(iris) = iris else { return white };
         let out = p.distance(iris.centre) / iris.radius;
-        let smooth = |from: f32, to: f32| {
-            let t = ((out - from) / (to - from)).clamp(0.0, 1.0);
-            t * t * (3.0 - 2.0 * t)
-        };
+        let smooth = |from: f32, to: f32| smoothstep((out - from) / (to - from));
         // Pupil, iris, its darker rim, and the white.
         let inner = Vec3::splat(0.004).lerp(tone.of_part(Part::Iris), smooth(0.32, 0.42));
         let rim = inner.lerp(inner * 0.45, smooth(0.75, 0.95));
@@ -339,7 +337,7 @@ pub fn ground(solids: &[Solid]) -> Option<Solid> {
     disc.push(centre, Vec3::Y, Vec3::ONE);
     for ring in 1..=RINGS {
         let out = ring as f32 / RINGS as f32;
-        let there = 1.0 - out * out * (3.0 - 2.0 * out);
+        let there = 1.0 - smoothstep(out);
         for side in 0..SIDES {
             let (sin, cos) = sin_cos_turns(side as f32 / SIDES as f32);
             let p = centre + Vec3::new(sin, 0.0, cos) * (radius * out);

@@ -7,6 +7,7 @@
 use super::tube::{Braid, Tube};
 use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
+use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
@@ -37,7 +38,7 @@ impl Band {
     /// Fraction of its width that the braid keeps at this distance (cm) from the centre of its band.
     pub(super) fn keeps(&self, waist: &Waist, along: f32) -> f32 {
         let left = (DRAWN - along.abs() / waist.height.max(1e-6)).clamp(0.0, 1.0);
-        1.0 - self.narrower * (left * left * (3.0 - 2.0 * left))
+        1.0 - self.narrower * smoothstep(left)
     }
 
     /// Centre line of a braid of these strands, as far as the band extends.

@@ -117,13 +117,6 @@ pub(super) fn relax(beads: &mut [Bead]) {
     }
 }
 
-/// From 0 at 0 to 1 at 1, flat at both ends.
-#[inline]
-pub(super) fn smooth(t: f32) -> f32 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 /// Catmull-Rom spline through `n` even points with extrapolated ends, between the points `k` and `k` + 1.
 #[inline]
 pub(super) fn spline_point(at: impl Fn(usize) -> Vec3, n: usize, k: usize, t: f32) -> Vec3 {

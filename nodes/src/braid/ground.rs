@@ -12,6 +12,7 @@
 use crate::data::scalp::{Root, Scalp};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::nearest::Nearest;
+use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, exp, sin_cos};
 use crate::partition::territory::{MOST_OVER, Row, farthest};
@@ -39,8 +40,7 @@ pub(crate) struct Lane {
 
 /// How far off a position counts at a distance: 0 up to `far[0]`, 1 from `far[1]` on.
 pub(crate) fn far_off(distance: f32, far: [f32; 2]) -> f32 {
-    let x = ((distance - far[0]) / (far[1] - far[0])).clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
+    smoothstep((distance - far[0]) / (far[1] - far[0]))
 }
 
 /// Number of positions of a row at which its directions are stored.

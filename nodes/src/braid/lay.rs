@@ -11,6 +11,7 @@ use super::weave::{OUTLINE, Size, Weave};
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{self, Frame, SkinUnder};
 use crate::maths::hash::Dice;
+use crate::maths::smoothstep;
 use crate::maths::spline::{CurveFault, Place, Spline};
 use glam::Vec3;
 
@@ -193,11 +194,6 @@ const TUFT_STEP: f32 = 0.4;
 /// The most stations in an end tuft.
 const MOST_IN_TUFT: f32 = 256.0;
 
-fn smooth(t: f32) -> f32 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 impl Shape<'_> {
     /// Lays the strands along `source`.
     pub(crate) fn lay(&self, source: &Spline) -> Result<Laid, CurveFault> {
@@ -305,7 +301,7 @@ impl Shape<'_> {
             if self.facing == Facing::Skin {
                 centre += frame.normal * (held * (self.raise.0 + self.raise.1 * y));
             } else {
-                grip = smooth(s / (2.0 * (self.size.a + self.size.side)));
+                grip = smoothstep(s / (2.0 * (self.size.a + self.size.side)));
             }
             Station {
                 s: *s,
@@ -348,7 +344,7 @@ impl Shape<'_> {
         if self.gather <= 0.0 {
             return (1.0, 1.0);
         }
-        let t = smooth(s / self.gather);
+        let t = smoothstep(s / self.gather);
         let round = (ROUND * GATHERED * self.size.a / self.size.b).min(1.0);
         (GATHERED + (1.0 - GATHERED) * t, round + (1.0 - round) * t)
     }
@@ -361,10 +357,10 @@ impl Shape<'_> {
         let round = (ROUND * PINCH * self.size.a / self.size.b).max(PINCH);
         let beyond = s - self.tied_at;
         if beyond < 0.0 {
-            let t = smooth(1.0 + beyond / self.size.pitch);
+            let t = smoothstep(1.0 + beyond / self.size.pitch);
             return (1.0 + (PINCH - 1.0) * t, 1.0 + (round - 1.0) * t);
         }
-        let wider = (1.0 + self.flare * smooth(beyond / self.tuft)).max(0.02);
+        let wider = (1.0 + self.flare * smoothstep(beyond / self.tuft)).max(0.02);
         (PINCH * wider, round * wider)
     }
 
@@ -372,7 +368,7 @@ impl Shape<'_> {
     fn waver(&self, q: f64, channel: u64) -> f32 {
         let k = q.max(0.0).floor();
         let at = |k: f64| self.loose.signed(self.braid, 2 * (k as u64) + channel);
-        let t = smooth((q - k) as f32);
+        let t = smoothstep((q - k) as f32);
         at(k) * (1.0 - t) + at(k + 1.0) * t
     }
 
@@ -407,7 +403,7 @@ impl Shape<'_> {
                 .iter()
                 .enumerate()
                 .map(|(k, station)| {
-                    let facing = smooth((station.frame.normal.dot(station.out) - 0.3) / 0.4);
+                    let facing = smoothstep((station.frame.normal.dot(station.out) - 0.3) / 0.4);
                     let lacks = |points: &Vec<Vec3>| lacks(station, points[k], below);
                     let most = strands.iter().map(lacks).fold(0.0, f32::max);
                     most * facing

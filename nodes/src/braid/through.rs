@@ -12,13 +12,14 @@
 //! parting before the step that leads into its strand; a hair without such a path is dropped and reported. Not
 //! promised: hairs clear of each other.
 
-use super::even::{Bead, Even, chords, relax, smooth, spline_point};
+use super::even::{Bead, Even, chords, relax, spline_point};
 use super::tube::{Braid, Tube, place};
 use super::wander::{Parted, Wander};
 use crate::data::home::Home;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::hash::Dice;
 use crate::maths::readings::Chords;
+use crate::maths::smoothstep;
 use glam::{Vec2, Vec3};
 
 /// The most points of a hair.
@@ -341,10 +342,10 @@ impl<'a> Leader<'a> {
         while beads.len() < MOST_POINTS {
             let section = tube.section(t);
             let mut size = share(wish, section.joined);
-            let mut here = come + (q - come) * smooth((t - from) / settle);
+            let mut here = come + (q - come) * smoothstep((t - from) / settle);
             if let Some((start, end)) = leaves {
                 // Flyaways come from the surface.
-                size += (0.97 - size).max(0.0) * smooth(1.0 + (t - start) / settle);
+                size += (0.97 - size).max(0.0) * smoothstep(1.0 + (t - start) / settle);
                 if t >= start && t > from {
                     let parted =
                         *parted.get_or_insert_with(|| Parted::new(tube, start, here * size, end));
@@ -374,7 +375,7 @@ impl<'a> Leader<'a> {
                 let loose = wander.loose() * (manner.tip_frizz * far * beyond * braid.step * 0.25);
                 let o = offset * narrow + loose;
                 let free = b.centre + b.x * o.x + b.y * o.y;
-                p = p.lerp(free, smooth(beyond / braid.per_stitch));
+                p = p.lerp(free, smoothstep(beyond / braid.per_stitch));
                 near = true;
             }
             let before = beads.last().map_or(p, |bead| bead.p);
@@ -418,9 +419,9 @@ impl<'a> Leader<'a> {
         let root = way[0];
         let (chord, aside) = (end - root, end - way[n - 1]);
         // The farther the end is from that of the path, the less the path counts.
-        let astray = smooth(1.6 * aside.length() / chord.length().max(1e-6) - 0.4);
+        let astray = smoothstep(1.6 * aside.length() / chord.length().max(1e-6) - 0.4);
         let combed = |s: f32| {
-            let bent = on_way(s) + aside * smooth(s);
+            let bent = on_way(s) + aside * smoothstep(s);
             bent.lerp(root + chord * s, astray)
         };
         let arriving = (end - combed(0.94)) / 0.06;

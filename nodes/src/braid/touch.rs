@@ -11,6 +11,7 @@
 
 use crate::define::NodeError;
 use crate::eval::Piece;
+use crate::maths::nearest_on;
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 
@@ -147,10 +148,8 @@ fn bulged(square: f32, sagitta: f32) -> f32 {
 }
 
 /// Squared distance of `p` from a chord.
-fn beside(p: Vec3, [a, b]: [Vec3; 2]) -> f32 {
-    let along = b - a;
-    let t = (p - a).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
-    p.distance_squared(a + along * t.clamp(0.0, 1.0))
+fn beside(p: Vec3, segment: [Vec3; 2]) -> f32 {
+    p.distance_squared(nearest_on(segment, p).0)
 }
 
 /// Squared smallest distance of two chords.

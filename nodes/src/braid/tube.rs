@@ -8,6 +8,7 @@ use crate::data::curves::{Tuft, View};
 use crate::data::field::Sampler;
 use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
+use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
 use glam::{Vec2, Vec3};
@@ -467,6 +468,6 @@ fn bump(x: f32) -> f32 {
         0.0
     } else {
         let y = 4.0 * x * (1.0 - x);
-        y * y * (3.0 - 2.0 * y)
+        smoothstep(y)
     }
 }

@@ -1,9 +1,9 @@
 //! Random deviation of hairs in a braid: wandering inside their strand, and leaving it as flyaways.
 
-use super::even::smooth;
 use super::through::Manner;
 use super::tube::{Tube, place};
 use crate::maths::hash::Dice;
+use crate::maths::smoothstep;
 use glam::{Vec2, Vec3};
 
 /// A hair that has left its braid.
@@ -82,7 +82,7 @@ impl Wander {
             self.to = at(knot.wrapping_add(1));
             self.knot = knot;
         }
-        self.from + (self.to - self.from) * smooth(x - knot as f32)
+        self.from + (self.to - self.from) * smoothstep(x - knot as f32)
     }
     /// A direction that stays constant.
     pub(super) fn loose(&self) -> Vec2 {

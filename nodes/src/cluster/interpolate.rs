@@ -22,6 +22,7 @@ use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::smallest_rotation;
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
+use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use glam::{Mat3, Vec3};
 use std::sync::{Arc, OnceLock};
@@ -429,7 +430,7 @@ impl Maker<'_> {
                     // Where the guide leaves the section, so does the hair: it is with it by then.
                     let gathered = clump.iter().enumerate().map(|(k, clump)| {
                         let x = (k as f32 / over as f32).min(1.0);
-                        clump.max(x * x * (3.0 - 2.0 * x))
+                        clump.max(smoothstep(x))
                     });
                     let gathered: Vec<f32> = gathered.collect();
                     lay(&mut points, &gathered, way_of(true).as_deref());

@@ -6,6 +6,7 @@
 use super::sections::{Section, Sections};
 use crate::maths::hash::Dice;
 use crate::maths::low_discrepancy::disc;
+use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 
@@ -126,7 +127,7 @@ impl Strand<'_> {
         }
         let (section, shape) = (&sections.at[k], self.shape);
         let u = k as f32 / self.steps;
-        let grown = u * u * (3.0 - 2.0 * u);
+        let grown = smoothstep(u);
         let clump = shape.root_clump + (shape.tip_clump - shape.root_clump) * grown;
         let mut d = walked(section).lerp(self.middle, clump);
         if shape.jitter > 0.0 {

@@ -488,15 +488,12 @@ fn off_chords(points: &[Vec3], fine: &[Vec3]) -> Vec<f32> {
     points
         .windows(2)
         .map(|w| {
-            let along = w[1] - w[0];
             let mut worst = 0.0f32;
             let end = (at..(at + 4000).min(fine.len()))
                 .min_by(|a, b| fine[*a].distance(w[1]).total_cmp(&fine[*b].distance(w[1])))
                 .unwrap_or(at);
             for p in &fine[at..=end.min(fine.len() - 1)] {
-                let t =
-                    ((*p - w[0]).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-                worst = worst.max(p.distance(w[0] + along * t));
+                worst = worst.max(p.distance(crate::maths::nearest_on([w[0], w[1]], *p).0));
             }
             at = end;
             worst

@@ -6,6 +6,7 @@
 
 use super::section::{ENTRIES, Shape};
 use crate::maths::hash::{Dice, mix};
+use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec2;
 
@@ -154,7 +155,7 @@ impl Pattern {
         let at = |k: u64| self.curl_dice.signed(key, PLANES + k);
         let (k, x) = (j / PLANE_REACH, (j % PLANE_REACH) as f32 / PLANE_REACH as f32);
         let (a, b) = (at(k), at(k + 1));
-        at(0) + 0.4 * (a + (b - a) * (x * x * (3.0 - 2.0 * x)))
+        at(0) + 0.4 * (a + (b - a) * smoothstep(x))
     }
 
     /// The pattern with factors that keep the requested mean size and pitch for curls whose turns differ. The other

@@ -21,6 +21,7 @@
 use super::pattern::{Detail, Pattern, Start, Turn};
 use crate::data::attributes::CURL_MIDDLE;
 use crate::maths::rail::Rail;
+use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
@@ -191,7 +192,7 @@ pub(crate) struct Winder {
 fn blended(x: f32, b: f32) -> (f32, f32, f32) {
     if x < b {
         let y = x / b;
-        (y * y * (3.0 - 2.0 * y), b * y * y * y * (1.0 - 0.5 * y), 6.0 * y * (1.0 - y) / b)
+        (smoothstep(y), b * y * y * y * (1.0 - 0.5 * y), 6.0 * y * (1.0 - y) / b)
     } else {
         (1.0, x - 0.5 * b, 0.0)
     }
@@ -862,7 +863,7 @@ fn envelope(s: f32, start: f32, rise: f32) -> f32 {
         0.0
     } else if x < rise {
         let y = x / rise;
-        y * y * (3.0 - 2.0 * y)
+        smoothstep(y)
     } else {
         1.0
     }

@@ -15,6 +15,7 @@ use super::places::{PLACE, Places, place_of};
 use super::scalp::Scalp;
 use super::sections::{FAR, NONE, Parting};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
+use crate::maths::nearest_on;
 use glam::{IVec2, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -606,8 +607,6 @@ pub(super) fn covered(flat: &[Vec2; 2], more: i32) -> impl Iterator<Item = usize
 
 /// Squared distance of a point from a segment.
 #[inline]
-pub(super) fn square_to([a, b]: [Vec3; 2], p: Vec3) -> f32 {
-    let along = b - a;
-    let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    p.distance_squared(a + along * t)
+pub(super) fn square_to(segment: [Vec3; 2], p: Vec3) -> f32 {
+    p.distance_squared(nearest_on(segment, p).0)
 }

@@ -12,6 +12,8 @@ use super::chart::{CELL, around, cell_of};
 use super::scalp::{Root, Scalp};
 use super::sections::{NONE, Place, Sections};
 use crate::maths::closest::Surface;
+use crate::maths::nearest_on;
+use crate::maths::smoothstep;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -130,7 +132,7 @@ impl Home<'_> {
             return Some(p);
         }
         let off = self.off_partings(surface, hit.point, near)? - hit.point;
-        Some(p + off * (lying * lying * (3.0 - 2.0 * lying)))
+        Some(p + off * smoothstep(lying))
     }
 
     /// A point of the scalp moved into the section and off its partings.
@@ -147,8 +149,7 @@ impl Home<'_> {
             // As it is at the edge of the bare skin and never less than the least, without a kink.
             let wanted = least + (bare - least) * (bare - least) / (2.0 * bare - least - within);
             let along = b - a;
-            let t = (at - a).dot(along) / along.length_squared().max(1e-12);
-            let on_line = a + along * t.clamp(0.0, 1.0);
+            let (on_line, _) = nearest_on([a, b], at);
             let hit = surface.closest_from(at, *near)?;
             let normal = surface.smooth_normal(hit.triangle, hit.bary);
             let aside = along.cross(normal).normalize_or_zero();

@@ -21,6 +21,7 @@ use super::scalp::{Root, Scalp};
 use super::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use crate::define::NodeError;
 use crate::maths::hash::{Key, KeyBuilder};
+use crate::maths::smoothstep;
 use crate::scalp::region::soft;
 use dabs::{Dabs, Piece};
 pub use even::Even;
@@ -271,7 +272,7 @@ impl Painted {
         let pressure = a.pressure + (b.pressure - a.pressure) * t;
         let inner = 1.0 - square.sqrt() / piece.reach;
         let x = if inner < self.edges.softness { inner / self.edges.softness } else { 1.0 };
-        pressure * faces * (x * x * (3.0 - 2.0 * x))
+        pressure * faces * smoothstep(x)
     }
 
     fn section(&self, point: Vec3) -> Option<u32> {

@@ -1,6 +1,7 @@
 //! A function of a fraction from 0 to 1, such as root to tip.
 
 use crate::maths::hash::KeyBuilder;
+use crate::maths::smoothstep;
 
 /// Interpolation between stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +76,7 @@ impl Ramp {
         match self.blend {
             Blend::Step => y0,
             Blend::Linear => y0 + (y1 - y0) * t,
-            Blend::Smooth => y0 + (y1 - y0) * (t * t * (3.0 - 2.0 * t)),
+            Blend::Smooth => y0 + (y1 - y0) * smoothstep(t),
         }
     }
     /// Adds the ramp to a key.

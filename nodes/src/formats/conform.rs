@@ -18,6 +18,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::eval::Host;
+use crate::maths::nearest_on;
 use crate::maths::readings::{AGREE, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use crate::strand::carried::between;
@@ -293,11 +294,7 @@ pub(crate) fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
         return None;
     }
     let tie: Vec3 = tuft.view(a::TIE).at(i, first);
-    let off = |w: &[Vec3]| {
-        let way = w[1] - w[0];
-        let t = (tie - w[0]).dot(way) / way.length_squared().max(1e-12);
-        tie.distance(w[0] + way * t.clamp(0.0, 1.0))
-    };
+    let off = |w: &[Vec3]| tie.distance(nearest_on([w[0], w[1]], tie).0);
     let offs = tuft.curve(i).windows(2).map(off).enumerate();
     let (at, far) = offs.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
     (far <= radius + 0.2).then_some(at)

@@ -15,6 +15,7 @@ use crate::define::NodeError;
 use crate::eval::EvalCx;
 use crate::maths::frame::across;
 use crate::maths::hash::Dice;
+use crate::maths::nearest_on;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{exp, sin, sin_cos};
 use glam::{IVec3, Vec3};
@@ -339,9 +340,8 @@ fn straight(thread: &Thread, down: Vec3, count: usize) -> Vec<Vec3> {
 #[inline]
 fn keep_off(p: Vec3, other: &[Vec3], segment: usize, apart: f32) -> Vec3 {
     let (a, b) = (other[segment], other[segment + 1]);
-    let along = b - a;
-    let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    let off = p - (a + along * t);
+    let (on, _) = nearest_on([a, b], p);
+    let off = p - on;
     let d2 = off.length_squared();
     if d2 >= apart * apart || d2 == 0.0 {
         return Vec3::ZERO;

@@ -18,6 +18,7 @@ use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Key, curve_id};
+use crate::maths::smoothstep;
 use crate::maths::spline::CurveFault;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
@@ -224,7 +225,7 @@ impl Inputs {
             Flow::Sides => {
                 // Hair is parted up to the crown: on the back of the head it falls down.
                 let behind = ((-normal.dot(frame.forward) - 0.1) / 0.6).clamp(0.0, 1.0);
-                let behind = behind * behind * (3.0 - 2.0 * behind);
+                let behind = smoothstep(behind);
                 let to = |side: f32| {
                     let sideways = self.direction * Vec3::new(side, 1.0, 1.0);
                     frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
@@ -255,7 +256,7 @@ impl Inputs {
             Flow::Back => {
                 // Straight back would end in a tuft where the head faces back: from the crown on, down.
                 let down = (0.5 - 0.8 * at.z / HEAD_RADIUS).clamp(0.0, 1.0);
-                -(frame.forward.lerp(frame.up, down * down * (3.0 - 2.0 * down)))
+                -(frame.forward.lerp(frame.up, smoothstep(down)))
             }
             Flow::Down => -frame.up,
             Flow::Curve => curve.get(1).map_or(Vec3::ZERO, |next| *next - curve[0]),

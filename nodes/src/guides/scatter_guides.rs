@@ -15,6 +15,7 @@ use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal, smallest_rotation};
 use crate::maths::hash::{KeyBuilder, curve_id};
+use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{exp, sin_cos};
 use glam::Vec3;
@@ -321,7 +322,7 @@ impl Grower<'_> {
                 // Straight back would end in a tuft where the head faces back: from the crown on, down.
                 let behind = -frame.head_from_point(p).z / HEAD_RADIUS;
                 let down = (0.5 + 0.8 * behind).clamp(0.0, 1.0);
-                -(frame.forward.lerp(frame.up, down * down * (3.0 - 2.0 * down)))
+                -(frame.forward.lerp(frame.up, smoothstep(down)))
             }
             Flow::Direction => frame.vector_from_head(self.inputs.direction),
             Flow::Crown => {

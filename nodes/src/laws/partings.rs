@@ -16,6 +16,7 @@ use crate::data::scalp::Scalp;
 use crate::data::sections::Sections;
 use crate::eval::Host;
 use crate::formats::conform::{joins as joins_its_braid, leading, passes_its_tie};
+use crate::maths::nearest_on;
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -203,9 +204,7 @@ fn joins(along: &Column<f32>, i: usize, points: Range<usize>) -> usize {
 
 impl Piece {
     fn distance(&self, p: Vec3) -> f32 {
-        let along = self.to - self.from;
-        let t = (p - self.from).dot(along) / along.length_squared().max(1e-12);
-        p.distance(self.from + along * t.clamp(0.0, 1.0))
+        p.distance(nearest_on([self.from, self.to], p).0)
     }
     fn is_crossed(&self, a: Vec3, b: Vec3) -> bool {
         let along = self.to - self.from;

@@ -5,6 +5,7 @@
 //! radius, and 0.2 cm more: within the band.
 
 use super::hair::{Column, Hair, quantile};
+use crate::maths::nearest_on;
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -92,8 +93,8 @@ fn passes(points: &[Vec3], place: Vec3) -> (f32, f32) {
     let (mut nearest, mut at, mut walked) = (last, f32::MAX, 0.0);
     for w in points.windows(2) {
         let way = w[1] - w[0];
-        let t = ((place - w[0]).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-        let far = place.distance(w[0] + way * t);
+        let (on, t) = nearest_on([w[0], w[1]], place);
+        let far = place.distance(on);
         let length = way.length();
         if far < nearest {
             (nearest, at) = (far, walked + t * length);

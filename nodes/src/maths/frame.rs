@@ -10,6 +10,7 @@
 //! smallest rotation where nothing is wanted; corners and repeated points never make NaN.
 
 use super::closest::Surface;
+use super::smoothstep;
 use super::spline::Spline;
 use super::transcendental::{atan2, sin_cos};
 use glam::{Mat3, Vec3};
@@ -220,10 +221,9 @@ impl SkinUnder {
                 });
                 beside.fold(here, |sum, normal| sum + normal).try_normalize().unwrap_or(here)
             }));
-            under.strengths.push(hit.map_or(0.0, |h| {
-                let t = (2.0 - h.distance / fade.max(1e-6)).clamp(0.0, 1.0);
-                t * t * (3.0 - 2.0 * t)
-            }));
+            under
+                .strengths
+                .push(hit.map_or(0.0, |h| smoothstep(2.0 - h.distance / fade.max(1e-6))));
         }
         // Along the curve what lies nearer counts more.
         let near = fade / spline.length().max(1e-6);

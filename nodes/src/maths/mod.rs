@@ -16,3 +16,20 @@ pub mod readings;
 pub mod spline;
 pub mod transcendental;
 mod triangle_tree;
+
+use glam::Vec3;
+
+/// The point of a segment that is nearest to `p`, and how far along it that is, 0 to 1.
+#[inline]
+pub fn nearest_on([a, b]: [Vec3; 2], p: Vec3) -> (Vec3, f32) {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    (a + along * t, t)
+}
+
+/// 0 up to 0, 1 from 1 on, and a cubic between them that is flat at both ends (Hermite's, which shading languages call smoothstep).
+#[inline]
+pub fn smoothstep(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}

@@ -17,6 +17,7 @@ use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal, smallest_rotation};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::r2;
+use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
 use crate::scalp::lay::bind;
@@ -287,7 +288,7 @@ impl Maker<'_> {
             Style::Natural => asked + 0.9 * stray(1) + 1.2 * bend * s,
             Style::Laid => {
                 let t = (2.2 * s).min(1.0);
-                let turned = asked + (flat - asked) * (t * t * (3.0 - 2.0 * t));
+                let turned = asked + (flat - asked) * smoothstep(t);
                 turned + 0.12 * stray(1) + 0.15 * of_lock(1) * s
             }
             Style::Swooped => {

@@ -8,6 +8,7 @@
 use super::over::Over;
 use crate::data::scalp::Scalp;
 use crate::maths::hash::{Key, KeyBuilder};
+use crate::maths::nearest_on;
 use crate::maths::spline::{CurveFault, Spline};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -81,7 +82,7 @@ impl Row {
             let mut limit = limit;
             let last = (b * RUN + RUN).min(self.points.len() - 1);
             for k in b * RUN..last {
-                let (q, t) = on_piece(p, self.points[k], self.points[k + 1]);
+                let (q, t) = nearest_on([self.points[k], self.points[k + 1]], p);
                 limit = see(q, q.distance_squared(p), k as f32 + t);
             }
             limit
@@ -203,12 +204,6 @@ fn beside((low, high): (Vec3, Vec3), p: Vec3) -> f32 {
 
 /// Above this squared limit (cm2), finding the nearest box first pays off.
 const WIDE: f32 = 9.0;
-
-fn on_piece(p: Vec3, a: Vec3, b: Vec3) -> (Vec3, f32) {
-    let along = b - a;
-    let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    (a + along * t, t)
-}
 
 /// A position on a row with its local directions.
 #[derive(Clone, Copy, Debug)]

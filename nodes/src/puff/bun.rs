@@ -10,6 +10,7 @@ use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
 use crate::define::{NodeError, choice, node};
 use crate::eval::EvalCx;
+use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 use std::f32::consts::TAU;
@@ -117,10 +118,7 @@ fn wind(inputs: &Inputs, unit: f32, tie: &Tie) -> Vec<Vec3> {
     let thick = inputs.thickness * unit;
     let hand = if inputs.hand == Hand::Left { 1.0 } else { -1.0 };
     let around = tie.radius + 0.75 * thick;
-    let smooth = |x: f32| {
-        let x = x.clamp(0.0, 1.0);
-        x * x * (3.0 - 2.0 * x)
-    };
+    let smooth = |x: f32| smoothstep(x);
     let steps = ((inputs.turns * around * TAU / STEP).ceil() as usize).clamp(16, 4000);
     let lowest = 0.7 * thick;
     (0..=steps)

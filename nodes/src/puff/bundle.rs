@@ -17,6 +17,7 @@ use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal, reflect_twice};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
+use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 
@@ -214,7 +215,7 @@ impl Bundle<'_> {
             let u = s / length;
             let (centre, x, y) = course.at(s);
             let radius = tie.radius * self.profile.at(s / self.length);
-            let grown = u * u * (3.0 - 2.0 * u);
+            let grown = smoothstep(u);
             let mut q = place.lerp(middle, self.clump * grown);
             if self.twist != 0.0 {
                 let (sin, cos) = sin_cos_turns(self.twist * s * (1.0 / 360.0));

@@ -26,6 +26,7 @@ use crate::guides::even_roots::EvenRoots;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::readings::{AGREE, readings_differ};
+use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{sin, sin_cos, sin_cos_turns};
 use crate::scalp::detour::{Detour, Towards};
@@ -589,7 +590,7 @@ impl Gatherer<'_> {
             }
             // Over the tie, heights are measured along its axis; elsewhere along the skin's normal.
             let near = 1.0 - ((x - tie.radius) / (2.0 * tie.radius)).clamp(0.0, 1.0);
-            let near = near * near * (3.0 - 2.0 * near);
+            let near = smoothstep(near);
             let up = normal.lerp(tie.axis, near).normalize_or(normal);
             let mut p = skin + up * z;
             let in_tie = tie.foot.point + out * x + tie.axis * z;

@@ -181,8 +181,7 @@ mod tests {
     }
 
     fn to_link(p: Vec3, a: Vec3, b: Vec3) -> f32 {
-        let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-9)).clamp(0.0, 1.0);
-        p.distance(a + (b - a) * t)
+        p.distance(crate::maths::nearest_on([a, b], p).0)
     }
 
     #[track_caller]

@@ -7,6 +7,7 @@ use crate::data::scalp::HeadFrame;
 use crate::define::NodeError;
 use crate::maths::closest::Surface;
 use crate::maths::nearest::Nearest;
+use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
@@ -146,8 +147,7 @@ pub(crate) fn soft(inside: f32, width: f32) -> f32 {
     if width <= 0.0 {
         return f32::from(inside > 0.0);
     }
-    let x = (inside / width + 0.5).clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
+    smoothstep(inside / width + 0.5)
 }
 
 /// Angle of the rays of [`outer`] from the radial direction.

@@ -260,11 +260,9 @@ impl Wish<'_> {
                     let per = line.length() / (line.points.len() - 1) as f32;
                     let around = (reach / per).ceil() as usize + 1;
                     let near = k.saturating_sub(around)..(k + around + 2).min(line.points.len());
-                    let nearest = line.points[near].windows(2).map(|w| {
-                        let along = w[1] - w[0];
-                        let t = (p - w[0]).dot(along) / along.length_squared().max(1e-12);
-                        p.distance(w[0] + along * t.clamp(0.0, 1.0))
-                    });
+                    let nearest = line.points[near]
+                        .windows(2)
+                        .map(|w| p.distance(crate::maths::nearest_on([w[0], w[1]], p).0));
                     nearest.fold(f32::MAX, f32::min)
                 };
                 worst = worst.max(off);

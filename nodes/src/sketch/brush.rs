@@ -8,6 +8,7 @@ use super::lock::Lock;
 use super::relax::Rest;
 use super::seen::steps;
 use crate::data::gestures::Tool;
+use crate::maths::smoothstep;
 use glam::Vec2;
 
 /// Lift of one step of a puff under the centre of the brush, head units.
@@ -33,8 +34,7 @@ pub(super) fn brush(hand: &Hand, sketch: &mut Sketch) {
 
 /// 1 under the centre of the brush, 0 at its edge, flat at both.
 fn falloff(off: f32, size: f32) -> f32 {
-    let t = (1.0 - off / size).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    smoothstep(1.0 - off / size)
 }
 
 fn brushed(hand: &Hand, line: &[Vec2], size: f32, lock: &mut Lock) -> bool {

@@ -153,11 +153,7 @@ fn twenty(scalp: &Arc<Scalp>, upstream: &Curves) -> Pen {
 /// Largest distance of a CV from a line.
 fn off(cvs: &[Vec3], others: &[Vec3]) -> f32 {
     let near = |p: &Vec3| {
-        let off = |pair: &[Vec3]| {
-            let way = pair[1] - pair[0];
-            let t = (*p - pair[0]).dot(way) / way.length_squared().max(1e-12);
-            p.distance(pair[0] + way * t.clamp(0.0, 1.0))
-        };
+        let off = |pair: &[Vec3]| p.distance(crate::maths::nearest_on([pair[0], pair[1]], *p).0);
         others.windows(2).map(off).fold(f32::MAX, f32::min)
     };
     cvs.iter().map(near).fold(0.0, f32::max)

@@ -17,6 +17,7 @@
 //! is 1 / (1 + (n / 12)^2), a constant set by eye. Widths are the paper's (its equations 8 and 16).
 //! Not modelled: mean shifts of inclination, and hairs that are not parallel.
 
+use coif_nodes::maths::smoothstep;
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -255,7 +256,7 @@ impl Scatter {
         let direct = (-fibres).exp();
         let reached = self.reaches(fibres);
         let s = 0.5 - 0.5 * a.cos_phi;
-        let far = s * s * (3.0 - 2.0 * s);
+        let far = smoothstep(s);
 
         // Through the hairs in front. At least one was crossed; on average this many.
         let crossed = if fibres > 0.01 { fibres / (1.0 - direct) } else { 1.0 };

@@ -9,6 +9,7 @@ use crate::widgets::text::{icon_button, set_name, text_field};
 use coif_graphs::document::values::DEEPEST_FIELD;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
+use coif_nodes::maths::smoothstep;
 use egui::{
     Align2, Color32, ComboBox, Popup, Rect, Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo,
     WidgetType, vec2,
@@ -257,7 +258,7 @@ fn sign(ui: &Ui, rect: Rect, source: usize, colour: Color32) {
         0 => letter("1"),
         1 => {
             let at = |x: f32| {
-                let y = x * x * (3.0 - 2.0 * x);
+                let y = smoothstep(x);
                 centre + vec2(12.0 * x - 6.0, 5.0 - 10.0 * y)
             };
             let line = (0..=8).map(|i| at(i as f32 / 8.0)).collect();
