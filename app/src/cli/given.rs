@@ -107,7 +107,7 @@ pub(super) fn apply_scalp(
         Some((id, path)) if document.nodes.contains_key(&id) => (id, path),
         _ => {
             let heads: Vec<&NodeId> =
-                document.nodes.iter().filter(|(_, n)| n.kind == "head").map(|(id, _)| id).collect();
+                document.nodes.iter().filter(|(_, n)| n.is_head()).map(|(id, _)| id).collect();
             match heads[..] {
                 [one] => (one.clone(), scalp),
                 [] => return Err(fault("the graph has no head node".to_owned())),
@@ -125,7 +125,7 @@ pub(super) fn apply_scalp(
     let full = std::path::absolute(path).map_err(|err| fault(err.to_string()))?;
     let text: Arc<str> = full.to_string_lossy().into();
     let node = document.nodes.get_mut(&id).map(Arc::make_mut);
-    if let Some(node) = node.filter(|node| node.kind == "head") {
+    if let Some(node) = node.filter(|node| node.is_head()) {
         node.inputs.insert("mesh".to_owned(), Setting::Known(Value::Text(text)));
         document.links.remove(&Socket::new(id.clone(), "mesh"));
         return Ok(id);

@@ -449,7 +449,7 @@ fn evaluate(
 
 /// The heads that nodes stand on; every head when they stand on none.
 fn heads<'a>(document: &'a Document, of: impl Iterator<Item = &'a NodeId>) -> Vec<Socket> {
-    let is_head = |id: &NodeId| document.node(id.as_str()).is_some_and(|n| n.kind == "head");
+    let is_head = |id: &NodeId| document.node(id.as_str()).is_some_and(|n| n.is_head());
     let mut heads: Vec<NodeId> = upstream(document, of).into_iter().filter(is_head).collect();
     if heads.is_empty() {
         heads = document.nodes.keys().filter(|id| is_head(id)).cloned().collect();

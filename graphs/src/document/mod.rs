@@ -339,6 +339,10 @@ impl Place {
 }
 
 impl Node {
+    /// Whether it gives a head.
+    pub fn is_head(&self) -> bool {
+        self.kind == "head"
+    }
     /// Whether it holds others.
     pub fn is_group(&self) -> bool {
         self.kind == declared::GROUP

@@ -268,7 +268,7 @@ fn an_added_template_stands_on_the_head_at_hand_gives_to_an_output_and_is_shown(
         assert_eq!(wires(format!("{instance}.scalp")), "Some([head.scalp])");
         assert_eq!(wires(format!("{out}.curves")), format!("Some([{instance}.curves])"));
     }
-    assert_eq!(document.nodes.values().filter(|node| node.kind == "head").count(), 1);
+    assert_eq!(document.nodes.values().filter(|node| node.is_head()).count(), 1);
     assert_eq!(document.display, None, "all outputs are shown");
     let places: std::collections::BTreeSet<String> =
         ["row", "row_2", "out", "out_2"].map(|id| format!("{:?}", document.layout.get(id))).into();

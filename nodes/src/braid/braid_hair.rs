@@ -11,12 +11,13 @@
 
 use super::band::Band;
 use super::braid_territory::ORDER;
-use super::through::{Entry, Leader, MOST_POINTS, Manner, Wish};
+use super::through::{Entry, Leader, Manner, Wish};
 use super::tube::{Asked, Braid, Stitch};
 use crate::data::attributes::{
     ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE,
     STITCH, STRAND, TIED, WIDTH,
 };
+use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -145,7 +146,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
         }
     }
-    cx.may_make_most((inputs.roots.curve_count() * MOST_POINTS) as f64, || {
+    cx.may_make_most((inputs.roots.curve_count() * MOST_A_CURVE) as f64, || {
         Ok(foreseen(&inputs, stitch_curves))
     })?;
     let braids: Vec<OnceLock<Option<Braid>>> = (0..of_strands).map(|_| OnceLock::new()).collect();
@@ -266,7 +267,7 @@ fn foreseen(inputs: &Inputs, stitches: &Curves) -> Size {
         row.0 += tuft.range(i).len();
         row.1 = tuft.range(i).map(|p| tuft.view(ALONG).at(i, p)).fold(row.1, f32::max);
     }
-    let most = MOST_POINTS as f32 / FARTHER;
+    let most = MOST_A_CURVE as f32 / FARTHER;
     let mut points = 0.0f64;
     for tuft in inputs.roots.tufts() {
         let (along, fibre) = (tuft.view(ALONG), tuft.view(FIBRE));

@@ -7,7 +7,7 @@
 //! for another. A hair joins in the direction of its strand: one that would have to turn back slides on along the
 //! strand until it enters forward.
 //!
-//! Guarantees: a hair begins at its root, has at most [`MOST_POINTS`], evenly spaced, and stays inside its strand's
+//! Guarantees: a hair begins at its root, has at most [`MOST_A_CURVE`], evenly spaced, and stays inside its strand's
 //! tube once it has joined (except for flyaways and the end tuft) and out of the skin. On a parted scalp it crosses no
 //! parting before the step that leads into its strand; a hair without such a path is dropped and reported. Not
 //! promised: hairs clear of each other.
@@ -15,6 +15,7 @@
 use super::even::{Bead, Even, chords, relax, spline_point};
 use super::tube::{Braid, Tube, place};
 use super::wander::{Parted, Wander};
+use crate::data::curves::MOST_A_CURVE;
 use crate::data::home::Home;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::hash::Dice;
@@ -22,8 +23,6 @@ use crate::maths::readings::Chords;
 use crate::maths::smoothstep;
 use glam::{Vec2, Vec3};
 
-/// The most points of a hair.
-pub(super) const MOST_POINTS: usize = 255;
 /// Margin of the point spacing over the minimum that keeps to that limit.
 const SPARE: f32 = 1.12;
 /// Points closer than this (cm) are set off the skin by the distance field, whose error is smaller.
@@ -109,7 +108,7 @@ impl<'a> Leader<'a> {
         // The same spacing on the scalp as in the braid, however long the path is.
         let rest = braid.step * (tube.last() - t);
         let whole = if wish.length > 0.0 { rest.min(wish.length) } else { rest };
-        let spacing = braid.spacing(section.along).max(SPARE * whole / MOST_POINTS as f32);
+        let spacing = braid.spacing(section.along).max(SPARE * whole / MOST_A_CURVE as f32);
         let mut reached = (0.0, spacing);
         if !wish.fed {
             let end = place(&section, come * share(wish, section.joined));
@@ -330,7 +329,7 @@ impl<'a> Leader<'a> {
         }
         // Even steps of the hair, not of its strand: on the inside of a bend it is shorter. They begin with the spacing
         // of the path over the scalp.
-        let room = (MOST_POINTS - beads.len().min(MOST_POINTS - 3) - 1) as f32;
+        let room = (MOST_A_CURVE - beads.len().min(MOST_A_CURVE - 3) - 1) as f32;
         let fine = braid.spacing(tube.section(from).along);
         let spacing = fine.max(SPARE * (until - from) * braid.step / room);
         let mut last = reached.1.clamp(0.4 * spacing, 2.0 * spacing);
@@ -339,7 +338,7 @@ impl<'a> Leader<'a> {
         let mut wander = Wander::new(manner, wish.id, braid.step);
         let mut parted: Option<Parted> = None;
         let mut bristle: Option<Vec2> = None;
-        while beads.len() < MOST_POINTS {
+        while beads.len() < MOST_A_CURVE {
             let section = tube.section(t);
             let mut size = share(wish, section.joined);
             let mut here = come + (q - come) * smoothstep((t - from) / settle);

@@ -15,6 +15,7 @@ use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
     ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
+use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::ramp::Ramp;
@@ -89,7 +90,7 @@ node! {
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
         /// Limit of CVs per strand. Where twist or `points` need more, strands are coarser and a message says so. Game engines take
         /// at most 255.
-        most_points: i64 = 255, hard(2.0, 4096.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
+        most_points: i64 = MOST_A_CURVE as i64, hard(2.0, 4096.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
         /// Push CVs out of the skin, except as deep as the cluster's `allow_depth` allows.
         push_out: bool = true, words("collide scalp intersection penetration");
         /// Scale lengths with the size of the head. A radius from an attribute is already in true centimetres.

@@ -20,6 +20,7 @@ use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, ID, NORMAL, PARENT, ROLL,
     SHRINKAGE,
 };
+use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
@@ -130,7 +131,7 @@ node! {
         /// Largest number of CVs per hair. A hair that needs more is sampled evenly and coarser, and counted in a
         /// message. If a turn would get fewer than seven CVs, the curl is made larger in diameter and pitch, and the
         /// hairs are listed.
-        most_points: i64 = 255, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
+        most_points: i64 = MOST_A_CURVE as i64, hard(4.0, 16384.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
 
         [Randomness]
         /// Variation of size and pitch over the head, from 0 (all alike) to 1 (from half to twice). No head has one

@@ -17,6 +17,8 @@ use std::sync::Arc;
 pub const MOST_CURVES: usize = 4_096;
 /// The most points a tuft may hold.
 pub const MOST_POINTS: usize = 65_536;
+/// The most points of a curve that game engines take.
+pub const MOST_A_CURVE: usize = 255;
 
 /// Curves made from one parent. Immutable; see [`TuftBuilder`].
 #[derive(Clone, Debug)]

@@ -248,10 +248,6 @@ const LOOKS: u64 = 4;
 /// The same on a mesh where each point asks the skin alone, for there few find one.
 const LOOKS_ALONE: u64 = 64;
 
-/// The most points that resampling gives a curve: what game engines take. Where that is not enough, the difference that is
-/// left is told.
-pub const MOST_POINTS: usize = 255;
-
 /// What is known of a tuft.
 struct Looked {
     left_out: usize,
@@ -424,6 +420,7 @@ fn conformed(tuft: &Arc<Tuft>, looked: &Looked, leaves_astray: bool) -> Arc<Tuft
 pub(crate) mod tests {
     use super::*;
     use crate::data::attributes::ID;
+    use crate::data::curves::MOST_A_CURVE;
     use crate::eval::PlainHost;
 
     fn curves(lists: &[&[Vec3]]) -> Curves {
@@ -472,7 +469,7 @@ pub(crate) mod tests {
             let after = conform(&curves(&[&curve]), None, &[], false, &PlainHost).unwrap();
             assert!(after.changes.difference <= AGREE, "{}", after.changes.difference);
             let points = after.curves.tufts()[0].curve(0);
-            assert!(points.len() <= MOST_POINTS && points[0] == curve[0], "{}", points.len());
+            assert!(points.len() <= MOST_A_CURVE && points[0] == curve[0], "{}", points.len());
         }
     }
 

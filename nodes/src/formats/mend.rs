@@ -11,7 +11,8 @@
 //! and not by a clock, so that the result is the same everywhere. Not promised: that readings agree at the end, which
 //! [`Read::left`] tells.
 
-use super::conform::{Effort, MOST_POINTS};
+use super::conform::Effort;
+use crate::data::curves::MOST_A_CURVE;
 use crate::data::lead::Torn;
 use crate::data::patience::Patience;
 use crate::data::scalp::Skin;
@@ -218,7 +219,7 @@ impl Mender<'_> {
 
     /// The segments of so many times as many points.
     fn segments(&self, of: usize, finer: f32) -> usize {
-        ((of as f32 * finer) as usize).min((MOST_POINTS - 1).max(self.old.len() - 1))
+        ((of as f32 * finer) as usize).min((MOST_A_CURVE - 1).max(self.old.len() - 1))
     }
 
     fn clear(&self, p: Vec3, place: Place) -> Vec3 {

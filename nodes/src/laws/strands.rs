@@ -1,13 +1,12 @@
 //! Every curve: its points, length, thickness and evenness, and whether others read it as coif does.
 
 use super::hair::{Hair, quantile};
+use crate::data::curves::MOST_A_CURVE;
 use crate::formats::usd::form::Basis;
 use crate::maths::readings::AGREE;
 use crate::maths::spline::Spline;
 use glam::Vec3;
 
-/// The most points of a strand (the limit of engines).
-pub const MOST_A_CURVE: usize = 255;
 /// The most points of all hair of a groom.
 pub const MOST_POINTS: usize = 16_000_000;
 

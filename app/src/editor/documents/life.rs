@@ -474,7 +474,7 @@ fn name_of_file(title: &str) -> String {
 
 /// The head that a mesh is meant for: the active one, else the first.
 pub(super) fn head_of(document: &Document, active: Option<&NodeId>) -> Option<NodeId> {
-    let is_head = |node: Option<&Node>| node.is_some_and(|node| node.kind == "head");
+    let is_head = |node: Option<&Node>| node.is_some_and(|node| node.is_head());
     let active = active.filter(|id| is_head(document.node(id.as_str())));
     let first = document.nodes.keys().find(|id| is_head(document.node(id.as_str())));
     active.or(first).cloned()

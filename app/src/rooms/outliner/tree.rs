@@ -80,7 +80,7 @@ impl Tree<'_> {
         let state = self.state;
         let document = &state.document;
         let mut all = vec![];
-        let heads = document.nodes.iter().filter(|(_, node)| node.kind == "head");
+        let heads = document.nodes.iter().filter(|(_, node)| node.is_head());
         for (id, _) in heads {
             all.push(node_row(state, id, None, 0, None, vec![]));
         }
@@ -171,8 +171,7 @@ impl Tree<'_> {
         }
         let upstream = graph::upstream(document, [id]);
         let order = graph::order(document).unwrap_or_else(|_| upstream.iter().cloned().collect());
-        let is_head =
-            |node: &NodeId| document.node(node.as_str()).is_some_and(|n| n.kind == "head");
+        let is_head = |node: &NodeId| document.node(node.as_str()).is_some_and(|n| n.is_head());
         let makers: Vec<&NodeId> = order
             .iter()
             .rev()
@@ -233,7 +232,7 @@ pub(super) fn outputs(document: &Document) -> Vec<NodeId> {
     if !found.is_empty() {
         return found;
     }
-    let is_head = |id: &NodeId| document.node(id.as_str()).is_some_and(|node| node.kind == "head");
+    let is_head = |id: &NodeId| document.node(id.as_str()).is_some_and(|node| node.is_head());
     displayed(document).into_iter().map(|socket| socket.node).filter(|id| !is_head(id)).collect()
 }
 

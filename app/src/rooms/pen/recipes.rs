@@ -369,7 +369,7 @@ mod tests {
         let made = bob.edits(&Document::default(), None, false).unwrap();
         let mut document = Document::default();
         Edit::Several(made.edits).apply(&mut document).unwrap();
-        assert_eq!(document.nodes.values().filter(|node| node.kind == "head").count(), 1);
+        assert_eq!(document.nodes.values().filter(|node| node.is_head()).count(), 1);
     }
 
     #[test]

@@ -189,7 +189,7 @@ fn letters_find_by_all_that_is_said_and_enter_adds_in_one_step() {
     assert_eq!(hands.added().as_deref(), Some("bob"));
     assert_eq!(hands.editor().state.history.done(), done + 1);
     let document = &hands.editor().state.document;
-    let heads = document.nodes.values().filter(|node| node.kind == "head").count();
+    let heads = document.nodes.values().filter(|node| node.is_head()).count();
     assert_eq!(heads, 1, "the head at hand");
     hands.editor().apply(EditorEvent::Undo);
     assert_eq!(hands.editor().state.document, before);

@@ -403,8 +403,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
             let document = &state.document;
             let shown = state.shown.iter().flat_map(|shown| &shown.sockets);
             let way = upstream(document, shown.map(|socket| &socket.node));
-            let is_head =
-                |id: &&NodeId| document.node(id.as_str()).is_some_and(|n| n.kind == "head");
+            let is_head = |id: &&NodeId| document.node(id.as_str()).is_some_and(|n| n.is_head());
             if let Some(head) = way.iter().find(is_head) {
                 out.push(Event::Select(Select::Nodes(vec![head.clone()])));
             }

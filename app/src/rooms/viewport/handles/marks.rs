@@ -55,7 +55,7 @@ impl<'a> Head<'a> {
     /// The active node, where it is a head that is shown or that is being `dragged` on, and nobody else says where its landmarks are.
     fn active(state: &'a State, dragged: Option<&Drag>) -> Option<Self> {
         let id = state.active()?;
-        let node = state.document.node(id.as_str()).filter(|node| node.kind == "head")?;
+        let node = state.document.node(id.as_str()).filter(|node| node.is_head())?;
         let text = match node.inputs.get(INPUT) {
             None => "",
             Some(Setting::Known(Value::Text(text))) => &**text,
