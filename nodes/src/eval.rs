@@ -15,8 +15,8 @@
 //! again that read what is there.
 
 use crate::data::curves::{Curves, Tuft};
-use crate::data::footprint::{Footprint, traced};
 use crate::data::gestures::Replayed;
+use crate::data::read_set::{Footprint, traced};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::define::NodeError;

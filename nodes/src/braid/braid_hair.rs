@@ -4,14 +4,14 @@
 //! it joins. From there this node continues it: into the outermost strand at that stitch, through the braid inside the
 //! strand's tube, to the tie and the end tuft. The tables of a braid are in `tube.rs`.
 //!
-//! The path of a hair is in `through.rs`, its random deviation in `wander.rs`.
+//! The path of a hair is in `hair_path.rs`, its random deviation in `wander.rs`.
 //!
 //! Guarantees: every hair is independent, so that more hairs change none; each stores its braid, strand and stitch,
 //! where it joins, and the direction of the braid's front there. Not promised: hairs clear of each other.
 
 use super::band::Band;
 use super::braid_territory::ORDER;
-use super::through::{Entry, Leader, Manner, Wish};
+use super::hair_path::{Entry, Leader, Manner, Wish};
 use super::tube::{Asked, Braid, Stitch};
 use crate::data::attributes::{
     ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE,

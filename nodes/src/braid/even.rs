@@ -4,7 +4,7 @@
 //! it bends by less than a right angle within a few points; the ends stay in place. Not promised: that other points
 //! stay in place.
 
-use crate::maths::readings::{AGREE, Chords, readings_differ};
+use crate::maths::catmull_rom_agreement::{AGREE, Chords, readings_differ};
 use glam::Vec3;
 
 /// A point of a hair under construction.

@@ -1,8 +1,8 @@
 //! Lissajous braid: strands woven along a source curve, free or lying on the scalp as a cornrow.
 //!
 //! methods.md 2, after section 2.1 of the braids-and-curls talk ("Lightyear"). The path of the strands across the braid
-//! is in `weave.rs`, its layout along a source and on the skin in `lay.rs`, the thickness of the tubes in `touch.rs`,
-//! flyaways in `stray.rs`.
+//! is in `weave.rs`, its layout along a source and on the skin in `strand_placement.rs`, the thickness of the tubes in `strand_radius.rs`,
+//! flyaways in `flyaways.rs`.
 //!
 //! Guarantees: the strands' crossings, read from the evaluated curves, are those of the weave on any source (a source
 //! that turns back on itself folds the braid over; between the points beside a fold nothing can be read); tubes touch
@@ -11,9 +11,9 @@
 //! the skin; a source without length or with a non-finite number is dropped and named in a message. Not promised: that
 //! tubes stay clear where the source turns more sharply than that, or comes near itself.
 
-use super::lay::{self, Advance, Below, Contact, Facing, Shape};
-use super::stray::{self, Strand};
-use super::touch::{Line, Near, touching_radii};
+use super::flyaways::{self, Strand};
+use super::strand_placement::{self, Advance, Below, Contact, Facing, Shape};
+use super::strand_radius::{Line, Near, touching_radii};
 use super::weave::{Paths, Pitch, Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
@@ -607,7 +607,8 @@ fn braid(
     let longest = inputs.flyaway_length * unit;
     let skin = plan.below.as_ref().filter(|below| below.contact != Contact::Allow);
     let skin = skin.map(|below| &below.skin);
-    let strays = stray::flyaways(&fine, (braid_id, tag), hairs, longest, skin, plan.stray, piece)?;
+    let strays =
+        flyaways::flyaways(&fine, (braid_id, tag), hairs, longest, skin, plan.stray, piece)?;
     Ok(Some([out.build(), stitch_curve.build(), strays]))
 }
 
@@ -666,7 +667,7 @@ fn advance(
 /// Lets a tube rest on the skin: limits its radius to the height of its centre where the skin counts, and returns how
 /// deep below the skin it still reaches.
 fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
-    let Some(d) = lay::distance(below, p, 1.5 * *radius) else { return 0.0 };
+    let Some(d) = strand_placement::distance(below, p, 1.5 * *radius) else { return 0.0 };
     if below.contact != Contact::Allow {
         let free = (1.0 - grip) * *radius;
         *radius = radius.min(d.max(0.02 * *radius) + free);

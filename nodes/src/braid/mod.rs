@@ -10,19 +10,19 @@ mod band;
 mod braid_hair;
 mod braid_territory;
 mod even;
+mod flyaways;
 mod ground;
 #[cfg(test)]
 mod hair_laws;
+mod hair_path;
 #[cfg(test)]
 mod laws;
-mod lay;
 mod lissajous_braid;
 #[cfg(test)]
 mod reading;
-mod stray;
+mod strand_placement;
+mod strand_radius;
 mod tail;
-mod through;
-mod touch;
 mod tube;
 mod wander;
 mod weave;

@@ -1,6 +1,6 @@
 //! Random deviation of hairs in a braid: wandering inside their strand, and leaving it as flyaways.
 
-use super::through::Manner;
+use super::hair_path::Manner;
 use super::tube::{Tube, place};
 use crate::maths::hash::Dice;
 use crate::maths::smoothstep;

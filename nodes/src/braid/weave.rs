@@ -7,7 +7,7 @@
 //!
 //! Cycles are counted in turns and kept as f64, so that the two hundredth stitch is as exact as the first.
 
-use super::touch::OF_CURVATURE;
+use super::strand_radius::OF_CURVATURE;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
@@ -188,7 +188,7 @@ impl Paths {
                 (0.5 * fullness * nearest.sqrt()).min(OF_CURVATURE * turn)
             })
             .collect();
-        // As `touch.rs` rounds kinks: the minimum of the neighbours, averaged over as many.
+        // As `strand_radius.rs` rounds kinks: the minimum of the neighbours, averaged over as many.
         let low = |k: usize| radii[k % n].min(radii[(k + 1) % n]).min(radii[(k + n - 1) % n]);
         let radius = |k: usize| 0.25 * (low(k + n - 1) + 2.0 * low(k) + low(k + 1));
         let highest = (0..n)

@@ -9,7 +9,7 @@
 //! frizzed are as evenly spaced as the cluster's.
 
 use super::bias::end_on_plane;
-use super::sections::{Section, Sections, open_radius, widest_radius};
+use super::cross_sections::{Section, Sections, open_radius, widest_radius};
 use super::shape::Shape;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
@@ -165,7 +165,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (density, other) = (inputs.density.on(tuft, scalp)?, inputs.flatness.on(tuft, scalp)?);
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
-            let asked = super::sections::Asked {
+            let asked = super::cross_sections::Asked {
                 points: 0,
                 most_points: 0,
                 radius: &radius,
@@ -235,7 +235,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         };
         let first = tuft.range(curve).start;
         let density = inputs.density.on(tuft, scalp)?.at(curve, first, 0.0);
-        let sampled = super::sections::Asked {
+        let sampled = super::cross_sections::Asked {
             points: inputs.points as usize,
             most_points: inputs.most_points as usize,
             radius: &inputs.radius.in_cm(tuft, scalp, unit)?,

@@ -4,11 +4,11 @@ use crate::define::NodeDef;
 
 mod bias;
 mod cluster_to_strands;
+pub(crate) mod cross_sections;
 mod interpolate;
 #[cfg(test)]
 mod laws;
 mod plan;
-pub(crate) mod sections;
 mod separation;
 mod shape;
 

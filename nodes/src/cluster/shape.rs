@@ -3,7 +3,7 @@
 //! Guarantees: nothing is drawn by number, so more strands change none; without stray hairs a strand stays within
 //! the cluster's radius; what asks for nothing is [`None`] and costs nothing.
 
-use super::sections::{Section, Sections};
+use super::cross_sections::{Section, Sections};
 use crate::maths::hash::Dice;
 use crate::maths::low_discrepancy::disc;
 use crate::maths::smoothstep;

@@ -2,7 +2,7 @@
 //! are in `turn_laws.rs`.
 
 use super::pattern::{Detail, Even, Pattern};
-use super::section::entries;
+use super::profile::entries;
 use super::shape_list_curl::NODE;
 use crate::data::attributes::{CURL_DIAMETER, Domain, ID, PARENT};
 use crate::data::curves::{Curves, TuftBuilder};

@@ -5,7 +5,7 @@ mod drawn;
 mod laws;
 mod pattern;
 mod preset;
-mod section;
+mod profile;
 mod shape_list_curl;
 #[cfg(test)]
 mod turn_laws;

@@ -4,7 +4,7 @@
 //! after [`Pattern::evened`] have the requested mean size and pitch: exactly if they differ little, by fits to
 //! measurements if they differ much. Not promised: the requested size of any single turn.
 
-use super::section::{ENTRIES, Shape};
+use super::profile::{ENTRIES, Shape};
 use crate::maths::hash::{Dice, mix};
 use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;

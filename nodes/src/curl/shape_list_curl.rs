@@ -14,7 +14,7 @@ use self::foreseen::foreseen;
 use super::drawn::with_drawn;
 use super::pattern::{Detail, Even, Pattern};
 use super::preset::Numbers;
-use super::section::{Shape, entries};
+use super::profile::{Shape, entries};
 use super::winding::{Goal, Sizes, Winder, arc_length};
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, ID, NORMAL, PARENT, ROLL,

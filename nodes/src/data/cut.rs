@@ -10,8 +10,8 @@
 //! of narrowness, which derives from the median width of all. Not promised: sections narrower than a cell (1.1 mm).
 
 use super::chart::{CELL, CELLS, around, cell_of, cross, middle};
-use super::footprint::{Digests, block_of, read_cell};
 use super::places::{PLACE, Places, place_of};
+use super::read_set::{Digests, block_of, read_cell};
 use super::scalp::Scalp;
 use super::sections::{FAR, NONE, Parting};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};

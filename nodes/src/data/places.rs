@@ -1,10 +1,10 @@
 //! Segments of partings, indexed by position in space.
 //!
 //! Guarantees: every segment within half a place of a point is listed at that point's place; queries are recorded
-//! (`footprint.rs`). Not promised: that every listed segment is that near.
+//! (`read_set.rs`). Not promised: that every listed segment is that near.
 
 use super::cut::Piece;
-use super::footprint::{read_place, read_places};
+use super::read_set::{read_place, read_places};
 use glam::Vec3;
 
 /// A grid over the segments in space.

@@ -14,8 +14,8 @@
 use super::chart::{Spread, around, cell_of, cross, middle};
 pub(crate) use super::cut::off_the_scalp;
 use super::cut::{Cut, Lines, cut, square_to};
-use super::footprint::{Digests, read_all, read_cell};
 use super::mesh_cut::MeshCut;
+use super::read_set::{Digests, read_all, read_cell};
 use super::scalp::{Root, Scalp};
 use crate::maths::hash::{Key, KeyBuilder, curve_id};
 use glam::{Vec2, Vec3};

@@ -5,21 +5,21 @@
 //!
 //! Guarantees: the root of a curve stays, all other points are new ones of the same curve, as far out of the skin as it
 //! allows. Where no points of the same curve do, which is where the skin makes it leap or kink (an ear between two points),
-//! the stretch about that place leaves the curve it was (`mend.rs`): it is led round what tears it, or moved out as a whole, its
+//! the stretch about that place leaves the curve it was (`repair.rs`): it is led round what tears it, or moved out as a whole, its
 //! tip where it is too. A curve is astray where folds leave it no way, or none but over a parting: such curves are left out where
 //! they are one in [`FEW`] or less, and kept where they are more. Hair of a braid keeps to its side of a parting on its way to it;
 //! its braid may hang over any. Not promised: that those are read alike; the report gives the difference that is left. How hard is
 //! tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not: all together may take
 //! no more than `Effort::most_tried` says. Stopping is heard within any curve.
 
-use super::mend::{Allowance, Mender, Read};
+use super::repair::{Allowance, Mender, Read};
 use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::eval::Host;
+use crate::maths::catmull_rom_agreement::{AGREE, readings_differ};
 use crate::maths::nearest_on;
-use crate::maths::readings::{AGREE, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use crate::strand::carried::between;
 use glam::Vec3;

@@ -9,10 +9,10 @@ mod file_ids;
 pub mod gltf;
 pub mod hair;
 pub mod looks;
-mod mend;
 pub mod mesh_in;
 pub mod obj;
 pub mod picture_in;
+mod repair;
 pub mod usd;
 
 pub use chunks::Chunks;

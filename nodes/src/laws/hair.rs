@@ -14,7 +14,7 @@ use crate::data::curves::{Curves, View};
 use crate::eval::Host;
 use crate::formats::usd::form::{Basis, Blend, Form, Wrap, value};
 use crate::formats::usd::read::{ReadCurves, ReadPrimvar, ReadValues};
-use crate::maths::readings::{AGREE, each_span};
+use crate::maths::catmull_rom_agreement::{AGREE, each_span};
 use crate::maths::spline::{CurveFault, Spline};
 use glam::Vec3;
 use std::borrow::Cow;

@@ -3,7 +3,7 @@
 use super::hair::{Hair, quantile};
 use crate::data::curves::MOST_A_CURVE;
 use crate::formats::usd::form::Basis;
-use crate::maths::readings::AGREE;
+use crate::maths::catmull_rom_agreement::AGREE;
 use crate::maths::spline::Spline;
 use glam::Vec3;
 

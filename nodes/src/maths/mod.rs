@@ -4,6 +4,7 @@
 //! depends on thread order.
 
 pub mod box_tree;
+pub mod catmull_rom_agreement;
 pub mod closest;
 pub mod distance_field;
 pub mod frame;
@@ -12,7 +13,6 @@ pub mod hash;
 pub mod low_discrepancy;
 pub mod nearest;
 pub mod rail;
-pub mod readings;
 pub mod spline;
 pub mod transcendental;
 mod triangle_tree;

@@ -1,7 +1,7 @@
 //! Edge partition: the hairs between rows of braids, pulled from the parting into the braid.
 //!
 //! methods.md 3, after section 2.2 of the braids-and-curls talk ("Lightyear"). Rows and their territories are in
-//! `territory.rs`, the single hair in `pulled.rs`.
+//! `territory.rs`, the single hair in `parting_hair.rs`.
 //!
 //! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius around its row; hairs
 //! stay out of the skin; ends of a group lie within the group's radius. Without `cross_partings`, every root stays half
@@ -10,7 +10,7 @@
 //! so that editing one row recomputes its own hairs and those of its neighbours. Not promised: that hairs of one row
 //! never overlap, since combed hair does.
 
-use super::pulled::{self, Ground, Home, Middle, Reach, Rules, Wish};
+use super::parting_hair::{self, Ground, Home, Middle, Reach, Rules, Wish};
 use super::territory::{Overs, Row, Station, neighbour};
 use crate::data::attributes::{
     ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SECTION, SIDE, WIDTH,
@@ -533,7 +533,7 @@ fn row_hairs(
             lift: lift.along(tuft, curve, along) * (1.0 + 0.8 * vary(1)),
             round: (ROUND + 50.0 * vary(2)).to_radians(),
         };
-        let Some(start) = pulled::start(rules, ground, &reach, &wish) else { continue };
+        let Some(start) = parting_hair::start(rules, ground, &reach, &wish) else { continue };
         let root = &start.root;
         let section = rules.scalp.home_of(root).filter(|_| !rules.crossing);
         let stays = |points: &[Vec3]| {
@@ -557,7 +557,7 @@ fn row_hairs(
                         lift: 0.0,
                         round: ROUND.to_radians(),
                     };
-                    pulled::middle(rules, ground, &reach, &wish, radius)
+                    parting_hair::middle(rules, ground, &reach, &wish, radius)
                 })
             });
             let point = match middle {
@@ -565,10 +565,12 @@ fn row_hairs(
                     let spread = [3, 4, 5].map(|i| dice.signed(id, i));
                     middle.end.within(rules, Vec3::from_array(spread))
                 }
-                None => pulled::end(rules, row, root, end_u, (side, wish.round), radius).point,
+                None => {
+                    parting_hair::end(rules, row, root, end_u, (side, wish.round), radius).point
+                }
             };
             let end = (point, row.spline.tangent_at(end_u));
-            pulled::way(rules, ground, root, end, wish.lift, middle.as_ref(), points)
+            parting_hair::way(rules, ground, root, end, wish.lift, middle.as_ref(), points)
                 && stays(points)
         };
         let (mut end_u, mut group) = (start.end_u, None);

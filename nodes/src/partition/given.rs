@@ -3,7 +3,7 @@
 //! Guarantees: every curve lies on the scalp and is bound to it, carries its parting or section, and has an id that
 //! depends only on that. Not promised: rows of sections that are specks.
 
-use super::middles;
+use super::medial_lines;
 use crate::data::attributes::{DRIFT, Domain, ID, PARENT, PARTING, RADIUS, SCALP_NORMAL, SECTION};
 use crate::data::chart::{Chart, cell_of};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -69,11 +69,11 @@ impl Maker<'_> {
         // A pattern knows the centre lines of its rows better than the shapes between its lines show.
         let mut known: BTreeMap<u32, &[Vec2]> = BTreeMap::new();
         for line in drawn {
-            if let Some((section, run)) = middles::longest_run(self.chart, sections, line) {
+            if let Some((section, run)) = medial_lines::longest_run(self.chart, sections, line) {
                 known.entry(section).or_insert(run);
             }
         }
-        let members = middles::members(sections);
+        let members = medial_lines::members(sections);
         let mut rows = vec![];
         for (number, section) in (0..).zip(sections.list()) {
             cx.check()?;
@@ -84,8 +84,8 @@ impl Maker<'_> {
             }
             let line = match known.get(&number) {
                 Some(line) => Some(line.to_vec()),
-                None => middles::line(self.chart, sections, number, cells)
-                    .map(|line| middles::from_the_hairline(self.scalp, sections, line)),
+                None => medial_lines::line(self.chart, sections, number, cells)
+                    .map(|line| medial_lines::from_the_hairline(self.scalp, sections, line)),
             };
             let Some(line) = line.filter(|line| line.len() >= 2) else { continue };
             let roots = self.on_scalp(&line);
@@ -107,7 +107,7 @@ impl Maker<'_> {
             b.set(
                 RADIUS,
                 Domain::Point,
-                middles::half_widths(self.scalp, number, &roots, self.unit),
+                medial_lines::half_widths(self.scalp, number, &roots, self.unit),
             );
             rows.push(Arc::new(b.build()));
         }
@@ -142,7 +142,7 @@ impl Maker<'_> {
             let mut b = tuft.gather(&[i as u32]);
             b.set(SECTION, Domain::Curve, vec![sections.list()[number as usize].id]);
             if roots.len() == tuft.curve(i).len() {
-                let widths = middles::half_widths(self.scalp, number, &roots, self.unit);
+                let widths = medial_lines::half_widths(self.scalp, number, &roots, self.unit);
                 b.set(RADIUS, Domain::Point, widths);
             }
             out.push(Arc::new(b.build()));

@@ -3,19 +3,19 @@
 use crate::define::NodeDef;
 
 mod baby_hair;
-mod between;
 mod edge_partition;
+mod geodesic;
 mod given;
 mod hairline;
 mod lines;
-mod middles;
-mod net;
-mod over;
+mod medial_lines;
+mod midlines;
+mod parting_hair;
 mod partings;
 mod pattern;
-mod pulled;
 #[cfg(test)]
 mod respected;
+mod stereographic_grid;
 pub(crate) mod territory;
 
 pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE, &baby_hair::NODE];

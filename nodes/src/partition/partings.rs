@@ -8,9 +8,9 @@
 //! are symmetric except for wobble; a section's curves change only if the section does. A drawn line that ends in the
 //! middle of hair parts the hair beside it and cuts no section, which is reported.
 
-use super::between::between;
 use super::given::Maker;
 use super::lines::{End, Uneven, end, fine, laid, uneven};
+use super::midlines::between;
 use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
 use super::territory::Row;
 use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};

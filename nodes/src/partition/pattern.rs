@@ -4,7 +4,7 @@
 //! the lines are measured on the head itself: all rows have the same mean width, so that the outermost row is not a
 //! sliver on a head with a higher or lower hairline.
 
-use super::net::{Net, wrapped};
+use super::stereographic_grid::{Net, wrapped};
 use crate::data::chart::{CELLS, Chart, middle};
 use crate::data::scalp::HeadFrame;
 use crate::maths::hash::curve_id;

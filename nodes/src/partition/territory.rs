@@ -1,11 +1,11 @@
 //! Rows on the scalp and their territories: which row is nearest to a point, and which rows a row meets on its left and
 //! right.
 //!
-//! The nearest row is found by distance over the scalp (`over.rs`) if the rows have it, otherwise by straight distance:
+//! The nearest row is found by distance over the scalp (`geodesic.rs`) if the rows have it, otherwise by straight distance:
 //! beside an ear, the border between two rows then moves by up to 1.2 cm.
 //! **Invariant:** a row's answers depend on that row only, so what reads three rows changes only with these.
 
-use super::over::Over;
+use super::geodesic::Over;
 use crate::data::scalp::Scalp;
 use crate::maths::hash::{Key, KeyBuilder};
 use crate::maths::nearest_on;

@@ -94,7 +94,7 @@ pub(super) struct Bundle<'a> {
 }
 
 /// Chords within this ratio are even: where a hair bends sharply, as around a tie, all readers then interpret its
-/// points alike (`maths/readings.rs`).
+/// points alike (`maths/catmull_rom_agreement.rs`).
 const EVEN: f32 = 1.02;
 /// Rounds of adjustment.
 const ROUNDS: usize = 5;

@@ -17,15 +17,15 @@ use crate::data::attributes::{
     SCALP_NORMAL, SECTION, TIE, TIE_RADIUS, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::home::Home;
 use crate::data::scalp::{Root, Scalp, Skin};
+use crate::data::section_guard::Home;
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::guides::even_roots::EvenRoots;
+use crate::maths::catmull_rom_agreement::{AGREE, readings_differ};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
-use crate::maths::readings::{AGREE, readings_differ};
 use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{sin, sin_cos, sin_cos_turns};

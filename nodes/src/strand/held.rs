@@ -9,9 +9,9 @@
 use super::hair::Hair;
 use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::Tuft;
-use crate::data::home::Home;
 use crate::data::patience::Patience;
 use crate::data::scalp::{Scalp, Skin};
+use crate::data::section_guard::Home;
 use crate::define::NodeError;
 use crate::eval::Piece;
 use glam::Vec3;

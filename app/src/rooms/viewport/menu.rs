@@ -5,7 +5,7 @@
 
 use super::drawing::HairHit;
 use super::select::{Level, together_with};
-use super::{Clicked, Purpose, Viewport, chrome};
+use super::{Clicked, Purpose, Viewport, hud};
 use crate::core::action;
 use crate::core::event::Event;
 use crate::core::state::{Select, State};
@@ -89,22 +89,22 @@ impl Viewport {
             On::Head => {
                 action::menu(state.table, HEAD, ui, out);
                 ui.separator();
-                panel::submenu(ui, "Light and skin", |ui| chrome::looks(&mut self.options, ui));
+                panel::submenu(ui, "Light and skin", |ui| hud::looks(&mut self.options, ui));
                 self.views_menu(state, ui, out);
             }
             On::Nothing => {
                 action::menu(state.table, NOTHING, ui, out);
                 ui.separator();
                 self.views_menu(state, ui, out);
-                panel::submenu(ui, "Show", |ui| chrome::shows(&mut self.options, state, ui));
-                panel::submenu(ui, "Over the picture", |ui| chrome::over(&mut self.options, ui));
-                panel::submenu(ui, "Light and look", |ui| chrome::looks(&mut self.options, ui));
+                panel::submenu(ui, "Show", |ui| hud::shows(&mut self.options, state, ui));
+                panel::submenu(ui, "Over the picture", |ui| hud::over(&mut self.options, ui));
+                panel::submenu(ui, "Light and look", |ui| hud::looks(&mut self.options, ui));
             }
         });
     }
 
     fn views_menu(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-        panel::submenu(ui, "Look from", |ui| chrome::views(self, state, ui, out));
+        panel::submenu(ui, "Look from", |ui| hud::views(self, state, ui, out));
     }
 
     /// Opens the menu on what was found there. Hair that is not selected is, with all of its braid or cluster.

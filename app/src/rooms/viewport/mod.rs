@@ -7,21 +7,21 @@
 //! why it is empty.
 
 pub mod actions;
-mod chrome;
+mod camera_control;
 pub mod drawing;
-mod eye;
 mod handles;
+mod hud;
 pub mod input;
 mod menu;
 pub mod navigation;
 pub mod options;
 mod overlay;
 mod painter;
+mod picking;
 pub mod select;
 pub mod status;
-mod under;
 
-pub use eye::Step;
+pub use camera_control::Step;
 
 use crate::core::event::Event;
 use crate::core::pen::Holds;
@@ -302,7 +302,7 @@ impl Viewport {
         self.ask(state, ui);
         self.paint(state, ui);
         self.overlay_ui(state, ui, out);
-        chrome::ui(self, state, ui, out);
+        hud::ui(self, state, ui, out);
         self.hover(state, ui, &response, out);
         self.menu(state, ui, &response, out);
     }
@@ -429,10 +429,9 @@ impl Viewport {
 
     /// What the picture is, in one line: for the metadata of saved pictures.
     pub fn caption(&self, state: &State) -> String {
-        let facts = chrome::facts(self, state);
-        facts.map_or(String::new(), |facts| {
-            format!("{}; {}", facts.made(), chrome::names(self, state))
-        })
+        let facts = hud::facts(self, state);
+        facts
+            .map_or(String::new(), |facts| format!("{}; {}", facts.made(), hud::names(self, state)))
     }
 }
 

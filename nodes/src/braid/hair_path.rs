@@ -16,10 +16,10 @@ use super::even::{Bead, Even, chords, relax, spline_point};
 use super::tube::{Braid, Tube, place};
 use super::wander::{Parted, Wander};
 use crate::data::curves::MOST_A_CURVE;
-use crate::data::home::Home;
 use crate::data::scalp::{Scalp, Skin};
+use crate::data::section_guard::Home;
+use crate::maths::catmull_rom_agreement::Chords;
 use crate::maths::hash::Dice;
-use crate::maths::readings::Chords;
 use crate::maths::smoothstep;
 use glam::{Vec2, Vec3};
 

@@ -13,10 +13,10 @@
 
 use super::conform::Effort;
 use crate::data::curves::MOST_A_CURVE;
-use crate::data::lead::Torn;
 use crate::data::patience::Patience;
 use crate::data::scalp::Skin;
-use crate::maths::readings::{AGREE, each_span, readings_differ};
+use crate::data::skin_clear::Torn;
+use crate::maths::catmull_rom_agreement::{AGREE, each_span, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 use std::cell::Cell;
@@ -491,8 +491,8 @@ fn ease(points: &mut [Vec3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::lead::tests::{bust, hairs};
     use crate::data::scalp::tests::shared_ball;
+    use crate::data::skin_clear::tests::{bust, hairs};
     use crate::maths::transcendental::sin_cos_turns;
 
     /// Of a curve that may nowhere lie in the skin.

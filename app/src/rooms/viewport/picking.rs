@@ -4,7 +4,7 @@
 
 use super::drawing::{Drawing, HairHit, Pick};
 use super::select::{self, Level};
-use super::{Clicked, NEAR, Purpose, Question, Under, Viewport, chrome};
+use super::{Clicked, NEAR, Purpose, Question, Under, Viewport, hud};
 use crate::core::event::Event;
 use crate::core::projection::Projection;
 use crate::core::room::Room;
@@ -58,7 +58,7 @@ impl Viewport {
             && let Some(under) = self.under.as_ref().filter(|under| under.at.distance(at) < NEAR)
             && let Some(hair) = &under.picked.hair
         {
-            response.clone().on_hover_ui_at_pointer(|ui| chrome::card(hair, ui));
+            response.clone().on_hover_ui_at_pointer(|ui| hud::card(hair, ui));
         }
     }
 

@@ -170,7 +170,7 @@ fn tight(way: &[Vec3], is_free: impl Fn(Vec3) -> bool) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::lead::tests::bust;
+    use crate::data::skin_clear::tests::bust;
 
     #[test]
     fn a_way_leads_round_an_ear_and_keeps_off_it() {

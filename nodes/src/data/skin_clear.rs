@@ -5,11 +5,11 @@
 //!
 //! Guarantees: the first point stays; every other ends where [`Skin::push_out`] lets it be; a hair that nothing tears comes
 //! out as if each of its points had been pushed alone. Four ways aside are tried, each at most 3 cm long; where the least
-//! torn of them is torn still, the hair is laid on the shortest way round (`way_round.rs`). Not promised: that there is one; past the
+//! torn of them is torn still, the hair is laid on the shortest way round (`shortest_path.rs`). Not promised: that there is one; past the
 //! skin's patience, and on a rough mesh (`rough.rs`), none is looked for.
 
 use super::scalp::Skin;
-use super::way_round::way_round;
+use super::shortest_path::way_round;
 use glam::Vec3;
 
 /// How far the edge of a thin part is looked for, cm: more than half an ear.

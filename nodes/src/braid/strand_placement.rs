@@ -6,7 +6,7 @@
 //!
 //! **Invariant:** whatever moves points in depth keeps their order there, so no crossing is ever undone.
 
-use super::touch::Line;
+use super::strand_radius::Line;
 use super::weave::{OUTLINE, Size, Weave};
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{self, Frame, SkinUnder};
