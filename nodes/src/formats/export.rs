@@ -163,23 +163,18 @@ pub const ADDED: &[(&str, &str, &str, &str)] = &[
         "groom_group_id",
         "int",
         "constant",
-        "Number of the group of hair, from 0 in the order of outputs; outputs of one name are one group. Guides have that of the \
-         hair of their name, else that of the first.",
+        "Index of the hair group, from 0 in the order of outputs. Outputs with the same name form one group. Guides take the index of \
+         the hair with their name, or else that of the first group.",
     ),
-    ("groom_group_name", "string", "constant", "Name of that group."),
-    (
-        "groom_id",
-        "int",
-        "uniform",
-        "`id`, folded to 31 bits without repeats in the whole file, as `id` in files is.",
-    ),
+    ("groom_group_name", "string", "constant", "Name of the hair group."),
+    ("groom_id", "int", "uniform", "`id`, folded to 31 bits and unique in the file, as `id` is."),
     (
         "groom_root_uv",
         "float2",
         "uniform",
-        "`root_uv`. Not there where the scalp has no uvs: readers lay a sphere about the hair then.",
+        "`root_uv`. Missing if the scalp has no UVs; readers then project from a sphere around the hair.",
     ),
-    ("groom_color", "color3", "vertex", "`colour`, linear Rec.709. In Alembic alone."),
+    ("groom_color", "color3", "vertex", "`colour`, linear Rec.709. Alembic only."),
 ];
 
 /// The group of hair that curves belong to.
