@@ -112,8 +112,8 @@ fn a_group_is_text_that_people_can_read_and_gives_what_its_nodes_gave() {
                             (name: "scalp", type: "scalp", needed: true, doc: "The head that the strokes are drawn on."),
                         ],
                         outputs: [
-                            (name: "curves", type: "curves", doc: "The same curves with other points."),
-                            (name: "curves_2", type: "curves", doc: "The same hair, none longer than the shape lets it be."),
+                            (name: "curves", type: "curves", doc: "The resampled curves."),
+                            (name: "curves_2", type: "curves", doc: "The same hair, cut to the shape."),
                         ],
                     ),
                     links: {
