@@ -104,7 +104,9 @@ const LAWS: &[&str] = &[
 ];
 /// What heroes do not keep yet, law by law: `groom` on the built-in head, `groom on head` on others. A law that has come to hold is
 /// taken off this list: the test says so.
-const NOT_YET: &[(&str, &[&str])] = &[];
+///
+/// One hair in 7,000 of the twists hangs over the rim of that open bust and into it from below.
+const NOT_YET: &[(&str, &[&str])] = &[("twists on ict_head", &[DEPTH])];
 const READINGS: &str = "both readings of every curve agree to 0.001 cm";
 const WOVEN: &str = "braids are woven all along as they begin";
 const OUTLINES: &str = "outlines of puffs are as clean as asked";
