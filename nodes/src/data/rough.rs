@@ -1,8 +1,9 @@
 //! Meshes that are no head to lead hair on: folded all over, far larger than any scalp, in hundreds of scraps, or a tangle.
 //!
-//! Told from the surface and the region alone, so that it is known before a hair grows. On all of them guides are pushed out of the
-//! skin and not led round it, and each point asks alone: what makes both worth their price, that thousands of hairs come by the same
-//! ear, is not so there. Hair that is made between guides is kept out of a wide mesh alone ([`super::skin::Skin::for_hair`]).
+//! Told from the surface and the region alone, so that it is known before a hair grows. On none of them hair is led around the skin:
+//! what makes that worth its price, that thousands of hairs come by the same ear, is not so there. On what is wide, hair is pushed
+//! out; on what is folded, guides alone are ([`super::skin::Skin::for_hair`]); scraps and tangles have no inside, and nothing is kept
+//! out of them.
 
 use super::scalp::HEAD_RADIUS;
 use crate::maths::closest::Surface;

@@ -1,8 +1,8 @@
 //! The skin of a head: what keeps hair out of it.
 //!
 //! Guarantees: the same answers on every machine and whoever asks first; what a search for a way out takes is bounded by a
-//! [`Patience`] where one is given. On a [`Rough`] mesh each point is asked for by itself, for about one there no two come to the same
-//! cell of the field.
+//! [`Patience`] where one is given. On a wide mesh each point is asked for by itself, for there no two come to the same cell of the
+//! field. What is strewn or tangled ([`Rough`]) has no inside: there every place is outside.
 
 use super::patience::Patience;
 use super::rough::Rough;
