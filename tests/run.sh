@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Everything tested: format, lints, documentation, and all tests. What is built with them runs in dev; whole grooms are evaluated
-# by the release build for farms, and once more in dev on one thread, for their hashes.
+# Everything tested: format, lints, documentation, and all tests, with one build of everything.
 #
-# tests/run.sh --long   then also what takes too long for every change: random cases by the ten thousand, tests that are ignored
-#                       else (all hair of the heroes on real heads), and Blender's reader (bpy, a third of a gigabyte)
+# tests/run.sh --long   then also what takes too long for every change: whole grooms evaluated by the release build for farms, whose
+#                       hashes must be those of dev; random cases by the ten thousand; every groom on every real head; tests that are
+#                       ignored else (all hair of the heroes there); and Blender's reader (bpy, a third of a gigabyte)
 #
 # Installs what the tests need where it may: Debian packages as root (a software graphics adapter among them), and usd-core
 # in a Python environment under target/. Where it may not, it says what is missing; tests that need it are listed as
@@ -139,6 +139,8 @@ check() {
 }
 check cargo fmt --all --check
 check cargo clippy --quiet --workspace --all-targets -- -D warnings
+# The build for farms.
+check cargo clippy --quiet -p coif --no-default-features -- -D warnings
 RUSTDOCFLAGS="-D warnings" check cargo doc --quiet --workspace --no-deps
 
 # The time that a test took is told to who may use what is not stable yet; the compiler is not, or it would build all anew.
@@ -157,8 +159,10 @@ tests() {
         tail -n 40 "$log" | grep -q '^test result' || failed=$((failed + 1))
     fi
 }
-check cargo build --quiet --release -p coif --no-default-features
-export COIF_PROGRAM="$PWD/target/release/coif"
+if [ -n "${COIF_LONG:-}" ]; then
+    check cargo build --quiet --release -p coif --no-default-features
+    export COIF_PROGRAM="$PWD/target/release/coif"
+fi
 tests cargo test --workspace --no-fail-fast --lib --bins --examples --tests
 if [ -n "${COIF_LONG:-}" ]; then
     # Random cases, of which a release build tries more.

@@ -75,6 +75,14 @@ pub fn smooth_heads(test: &str) -> impl Iterator<Item = RealHead> {
     real_heads(test).filter(|head| head.name != SCAN)
 }
 
+/// Two of these heads, others for each number in turn, so that many grooms together meet all of them; all where `COIF_LONG` is set
+/// (`tests/run.sh --long`).
+pub fn two_of(heads: &[RealHead], number: usize) -> impl Iterator<Item = &RealHead> {
+    let all = heads.len();
+    let some = if std::env::var_os("COIF_LONG").is_some() { all } else { all.min(2) };
+    (0..some).map(move |k| &heads[(number + k) % all])
+}
+
 /// What to evaluate a shipped groom with where the number of its strands does not matter: every tenth of a hero's.
 pub fn lean(groom: &str) -> &'static [&'static str] {
     if grooms::HEROES.contains(&groom) { &["--quality", "preview"] } else { &[] }
@@ -174,8 +182,8 @@ pub fn program() -> Command {
     Command::new(path)
 }
 
-/// The program for what needs neither window nor pictures: the one that `COIF_PROGRAM` names (`tests/run.sh` names the release
-/// build for farms, which is quicker), or [`program`].
+/// The program for what needs neither window nor pictures: the one that `COIF_PROGRAM` names (`tests/run.sh --long` names the
+/// release build for farms), or [`program`].
 pub fn coif() -> Command {
     std::env::var_os("COIF_PROGRAM").map_or_else(program, Command::new)
 }

@@ -4,7 +4,7 @@
 use super::shipped::{Shipped, evaluate, shipped};
 use coif_graphs::document::graph::check;
 use coif_graphs::{file, grooms};
-use coif_tests::smooth_heads;
+use coif_tests::{smooth_heads, two_of};
 use expect_test::expect_file;
 use serde_json::Value as Json;
 
@@ -73,21 +73,23 @@ fn every_groom_evaluates_on_the_built_in_head() {
     light().for_each(|name| check_on(name, "the built-in head", shipped(name), 0.0));
 }
 
-/// As for heroes, a tenth of the hair stands for all.
+/// As for heroes, a tenth of the hair stands for all, and two heads for each groom.
 #[test]
 fn every_groom_sits_on_real_heads() {
-    on_real_heads("every_groom_sits_on_real_heads", &["--quality", "preview"]);
+    let heads: Vec<_> = smooth_heads("every_groom_sits_on_real_heads").collect();
+    for (i, name) in light().enumerate() {
+        for head in two_of(&heads, i) {
+            let tenth = evaluate(name, Some(head), &["--quality", "preview"]);
+            check_on(name, head.name, &tenth, 0.0);
+        }
+    }
 }
 
 #[test]
 #[ignore = "minutes in release"]
 fn every_groom_sits_on_real_heads_with_all_its_hair() {
-    on_real_heads("every_groom_sits_on_real_heads_with_all_its_hair", &[]);
-}
-
-fn on_real_heads(test: &str, more: &[&str]) {
-    for head in smooth_heads(test) {
-        light().for_each(|name| check_on(name, head.name, &evaluate(name, Some(&head), more), 0.0));
+    for head in smooth_heads("every_groom_sits_on_real_heads_with_all_its_hair") {
+        light().for_each(|name| check_on(name, head.name, &evaluate(name, Some(&head), &[]), 0.0));
     }
 }
 
@@ -108,9 +110,9 @@ fn loose_hair_sits_on_the_built_in_head_and_on_real_ones() {
     let heads: Vec<_> =
         smooth_heads("loose_hair_sits_on_the_built_in_head_and_on_real_ones").collect();
     let preview = ["--quality", "preview"];
-    for name in &names {
+    for (i, name) in names.iter().enumerate() {
         check_on(name, "the built-in head", &evaluate(name, None, &preview), 0.005);
-        heads.iter().for_each(|head| {
+        two_of(&heads, i).for_each(|head| {
             check_on(name, head.name, &evaluate(name, Some(head), &preview), 0.005)
         });
     }

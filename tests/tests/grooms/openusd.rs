@@ -1,34 +1,21 @@
 //! Written files as OpenUSD itself opens them.
 
+use super::shipped::{Tenth, tenth};
 use coif_graphs::grooms;
-use coif_tests::{Folder, eval, lean, usd_python};
+use coif_tests::usd_python;
 use serde_json::Value as Json;
-
-/// Heroes whose text is opened too; of the others `usdc` alone, for a tenth of their hair is 20 MB of text each.
-const AS_TEXT: [&str; 3] = ["afro_4c", "box_braids", "ponytail"];
 
 #[test]
 fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
     let test = "openusd_opens_every_written_file_and_finds_what_the_report_says";
     let Some(python) = usd_python(test) else { return };
-    let folder = Folder::new("openusd");
-    let written: Vec<(&str, Vec<String>, Json)> = grooms::ALL
-        .iter()
-        .map(|(name, _)| {
-            let both = !grooms::HEROES.contains(name) || AS_TEXT.contains(name);
-            let endings = if both { &["usda", "usdc"][..] } else { &["usdc"] };
-            let file = |ending| folder.path(&format!("{name}.{ending}")).display().to_string();
-            let files: Vec<String> = endings.iter().map(file).collect();
-            let out = files.iter().flat_map(|file| ["--out", file]);
-            let report = eval(name, &out.chain(lean(name).iter().copied()).collect::<Vec<_>>());
-            (*name, files, report)
-        })
-        .collect();
+    let written: Vec<(&str, &Tenth)> =
+        grooms::ALL.iter().map(|(name, _)| (*name, tenth(name))).collect();
     let script = coif_tests::repository().join("tests/usd/validate.py");
     // What each of the files holds; of two of one groom, whether they hold the same.
     let opened = |how: &str, count: usize| -> Json {
-        let files = written.iter().filter(|(_, files, _)| files.len() == count);
-        let files = files.flat_map(|(_, files, _)| files);
+        let files = written.iter().map(|(_, tenth)| &tenth.files);
+        let files = files.filter(|files| files.len() == count).flatten();
         let ran = std::process::Command::new(&python).arg(&script).arg(how).args(files).output();
         let ran = ran.expect("Python starts");
         let text = String::from_utf8_lossy(&ran.stdout);
@@ -37,7 +24,7 @@ fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
     };
     // By the number of files that a groom has.
     let found = [opened("report", 1), opened("pairs", 2)];
-    for (name, files, report) in &written {
+    for (name, Tenth { report, files, .. }) in &written {
         let count = |key: &str| -> u64 {
             report["outputs"].as_array().unwrap().iter().map(|o| o[key].as_u64().unwrap()).sum()
         };

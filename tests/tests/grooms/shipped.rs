@@ -1,4 +1,5 @@
-//! Each shipped groom, evaluated once a head: its report, and what `coif measure` finds in the written file alone.
+//! Each shipped groom, evaluated once a head: its report, and what `coif measure` finds in the written file alone. And a tenth of its
+//! hair, for what any hair tells.
 
 use super::pages::primvars;
 use coif_graphs::grooms;
@@ -30,6 +31,34 @@ pub(crate) fn shipped(name: &'static str) -> &'static Shipped {
     static ALL: OnceLock<BTreeMap<&str, OnceLock<Shipped>>> = OnceLock::new();
     let all = || grooms::ALL.iter().map(|(name, _)| (*name, OnceLock::new())).collect();
     ALL.get_or_init(all)[name].get_or_init(|| evaluate(name, None, &["--threads", "2"]))
+}
+
+/// Heroes whose text is written too; of the others `usdc` alone, for a tenth of their hair is 20 MB of text each.
+const AS_TEXT: [&str; 3] = ["afro_4c", "box_braids", "ponytail"];
+
+/// A tenth of a groom's hair on the built-in head.
+pub(crate) struct Tenth {
+    /// What `coif eval` reported.
+    pub(crate) report: Json,
+    /// What was written: `usda` and `usdc`, or `usdc` alone.
+    pub(crate) files: Vec<String>,
+    _folder: Folder,
+}
+
+/// A tenth of a groom's hair, evaluated on two threads by whoever asks first.
+pub(crate) fn tenth(name: &'static str) -> &'static Tenth {
+    static ALL: OnceLock<BTreeMap<&str, OnceLock<Tenth>>> = OnceLock::new();
+    let all = || grooms::ALL.iter().map(|(name, _)| (*name, OnceLock::new())).collect();
+    ALL.get_or_init(all)[name].get_or_init(|| {
+        let folder = Folder::new(&format!("tenth-{name}"));
+        let both = !grooms::HEROES.contains(&name) || AS_TEXT.contains(&name);
+        let endings = if both { &["usda", "usdc"][..] } else { &["usdc"] };
+        let file = |ending| folder.path(&format!("{name}.{ending}")).display().to_string();
+        let files: Vec<String> = endings.iter().map(file).collect();
+        let out = files.iter().flat_map(|file| ["--out", file]);
+        let args = ["--quality", "preview", "--threads", "2"].into_iter().chain(out);
+        Tenth { report: eval(name, &args.collect::<Vec<_>>()), files, _folder: folder }
+    })
 }
 
 /// Evaluates a groom, by its name or its file, to a file and measures that.

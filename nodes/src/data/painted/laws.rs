@@ -321,13 +321,13 @@ fn a_closed_stroke_is_its_smaller_inside_with_an_edge_in_millimetres() {
     assert_eq!((at(&holed, CROWN), at(&holed, [1.0, 0.0, 0.0])), (0.0, 1.0));
 }
 
-/// The total value of a head's mask, cm2, and its largest distance from a point, cm, sampled about 14 times per length.
+/// The total value of a head's mask, cm2, and its largest distance from a point, cm, sampled about 9 times per length.
 fn painted_skin(on: &Painted, middle: Vec3, length: f32) -> (f32, f32) {
     let surface = on.scalp().surface();
     let (mut sum, mut farthest) = (0.0f64, 0.0f32);
     for t in 0..surface.triangles.len() as u32 {
         let twice = surface.area_vector(t).length();
-        let n = (twice.sqrt() / length * 14.0).ceil().clamp(3.0, 96.0) as u32;
+        let n = (twice.sqrt() / length * 9.0).ceil().clamp(2.0, 96.0) as u32;
         let part = 0.5 * f64::from(twice) / f64::from(n * n);
         for_middles(n, |bary| {
             let value = on.on_triangle(t, bary, 0.0);
