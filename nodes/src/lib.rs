@@ -12,6 +12,7 @@ mod curl;
 pub mod data;
 pub mod declared;
 pub mod define;
+mod error;
 pub mod eval;
 pub mod formats;
 mod guides;
