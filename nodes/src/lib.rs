@@ -34,7 +34,7 @@ mod testing;
 
 use define::NodeDef;
 
-/// The folders of nodes, in the order in which hair is made, with their names in the menu.
+/// The folders of nodes, in the order in which hair is made, with their names in the menu. None knows a later one.
 pub const STAGES: &[(&str, &[&NodeDef])] = &[
     ("scalp", scalp::NODES),
     ("guides", guides::NODES),
