@@ -9,8 +9,9 @@
 
 use crate::document::edit::{Edit, between};
 use crate::document::graph::HEAD;
-use crate::document::{Document, Node, NodeId, Origin, Setting, Socket, groups, values};
+use crate::document::{Document, Node, NodeId, Origin, Setting, Socket, groups};
 use crate::schedule::result::document_hash;
+use crate::values;
 use coif_nodes::declared::Port;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -271,7 +272,7 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
     };
     for (name, setting) in &node.inputs {
         let value = match setting {
-            Setting::Known(value) => crate::file::write_value(value),
+            Setting::Known(value) => crate::text::write_value(value),
             Setting::Raw(text) => text.to_string(),
         };
         let fate = match find(name) {

@@ -5,7 +5,7 @@
 //! Ids are chosen by hand and stored in documents; they never change.
 
 use crate::data::curves::Curves;
-use crate::data::field::{Field, FieldFault};
+use crate::data::field::Field;
 use crate::data::gestures::Gestures;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
@@ -16,6 +16,8 @@ use crate::maths::hash::{Key, KeyBuilder};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+pub use crate::error::{NodeError, short};
 
 /// A node as the editor, the scheduler, the file format and the manual see it.
 pub struct NodeDef {
@@ -434,73 +436,6 @@ values! {
     Arc<Scalp> => |x| Value::Scalp(x);
 }
 
-/// Why a node gave no result. The text is what the user reads on the node; its name is put before it.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NodeError {
-    /// Nothing is wired to an input the node cannot do without.
-    #[error("{input} is not connected: wire {expected} to it")]
-    Unconnected {
-        /// Input.
-        input: &'static str,
-        /// Type it takes.
-        expected: &'static str,
-    },
-    /// A wire or a document carries another type than the input takes.
-    #[error("{input} takes a {expected}, not a {found}")]
-    WrongType {
-        /// Input.
-        input: &'static str,
-        /// Type it takes.
-        expected: &'static str,
-        /// Type it got.
-        found: &'static str,
-    },
-    /// A value that means nothing here.
-    #[error("{input}: {value} {reason}")]
-    BadValue {
-        /// Input.
-        input: &'static str,
-        /// The value, as the document writes it.
-        value: String,
-        /// What is wrong with it and what was expected.
-        reason: String,
-    },
-    /// A file is missing, broken or of a kind that cannot be read. Counts as an error of the document: nothing
-    /// should have run.
-    #[error("{file}: {reason}")]
-    Refused {
-        /// Its path, as the document has it.
-        file: String,
-        /// Place and reason.
-        reason: String,
-    },
-    /// More than a node makes where nobody has allowed it.
-    #[error(
-        "{0}, and 16.8 million are the most unless more are allowed: ask for less hair or fewer points on each, or allow it \
-         (--allow-large; in the editor, Make it all the same)"
-    )]
-    TooLarge(String),
-    /// Somebody asked to stop.
-    #[error("cancelled")]
-    Cancelled,
-    /// Anything else.
-    #[error("{0}")]
-    Failed(String),
-}
-
-impl From<FieldFault> for NodeError {
-    fn from(fault: FieldFault) -> Self {
-        NodeError::Failed(fault.to_string())
-    }
-}
-
-impl NodeError {
-    /// A failure in words.
-    pub fn failed(text: impl Into<String>) -> Self {
-        NodeError::Failed(text.into())
-    }
-}
-
 /// A Rust type that an input can have.
 pub trait Input: Sized {
     /// The type in documents.
@@ -745,25 +680,6 @@ macro_rules! optional {
     )*};
 }
 optional!(f32, FieldInput, Arc<ShapeList>);
-
-/// The first words of a text, on one line: what a message quotes of something that may be as long as it likes.
-pub fn short(text: &str) -> String {
-    const MOST: usize = 60;
-    let mut line = String::new();
-    for word in text.split_whitespace() {
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        // One more than may be shown tells that it is cut.
-        line.extend(word.chars().take(MOST + 1));
-        if let Some((cut, _)) = line.char_indices().nth(MOST) {
-            line.truncate(cut);
-            line.push('…');
-            break;
-        }
-    }
-    line
-}
 
 /// Reads the word of a choice; for [`choice!`].
 pub(crate) fn read_choice<T: Copy>(

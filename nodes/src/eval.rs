@@ -19,7 +19,7 @@ use crate::data::gestures::Replayed;
 use crate::data::read_set::{Footprint, traced};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
-use crate::define::NodeError;
+use crate::error::NodeError;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
 use std::any::Any;
 use std::collections::BTreeMap;

@@ -12,6 +12,7 @@ mod curl;
 pub mod data;
 pub mod declared;
 pub mod define;
+mod error;
 pub mod eval;
 pub mod formats;
 mod guides;
@@ -33,7 +34,7 @@ mod testing;
 
 use define::NodeDef;
 
-/// The folders of nodes, in the order in which hair is made, with their names in the menu.
+/// The folders of nodes, in the order in which hair is made, with their names in the menu. None knows a later one.
 pub const STAGES: &[(&str, &[&NodeDef])] = &[
     ("scalp", scalp::NODES),
     ("guides", guides::NODES),

@@ -26,6 +26,16 @@ pub(crate) const OPENNESS: TextureFormat = TextureFormat::Rgba16Float;
 /// Corners of tiles.
 pub(crate) const CORNERS: TextureFormat = TextureFormat::R32Uint;
 
+/// A vertex of solids as `solid.wgsl` reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Vertex {
+    pub(crate) point: [f32; 3],
+    pub(crate) normal: [f32; 3],
+    pub(crate) colour: [f32; 3],
+    pub(crate) material: u32,
+}
+
 /// What a compute pass binds.
 #[derive(Debug)]
 pub(crate) struct Layouts {
@@ -275,8 +285,7 @@ fn raster(gpu: &Gpu, layouts: &Layouts, how: Raster) -> RenderPipeline {
             attributes,
         })
     };
-    let vertices =
-        [buffer(size_of::<crate::solids::Vertex>(), &attributes[..]), buffer(16, &places)];
+    let vertices = [buffer(size_of::<Vertex>(), &attributes[..]), buffer(16, &places)];
     let compare = if camera { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
     let targets = [NORMAL, ALBEDO].map(|f| Some(wgpu::ColorTargetState::from(f)));
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {

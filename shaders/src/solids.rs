@@ -2,22 +2,12 @@
 
 use crate::gpu::Gpu;
 use crate::maps::{self, MaterialMaps};
-use crate::pipelines::Layouts;
+use crate::pipelines::{Layouts, Vertex};
 use crate::surface::{Material, Solid};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use wgpu::BufferUsages;
-
-/// A vertex as `solid.wgsl` reads it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct Vertex {
-    point: [f32; 3],
-    normal: [f32; 3],
-    colour: [f32; 3],
-    material: u32,
-}
 
 /// Triangles of solids; those that cast shadows come first.
 #[derive(Debug)]

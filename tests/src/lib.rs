@@ -8,7 +8,7 @@ use coif_graphs::document::{Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
-use coif_graphs::{file, grooms};
+use coif_graphs::{file, grooms, text};
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
@@ -127,7 +127,7 @@ pub fn groom(name: &str, edits: &[(&str, &str)], sockets: &[&str]) -> Groom {
         let node = document.nodes.get_mut(&socket.node).expect("a node");
         let def = coif_nodes::by_id(&node.kind).expect("a kind");
         let (_, input) = def.input(&socket.name).expect("an input");
-        let value = file::parse_value(input.ty, text).expect("a value");
+        let value = text::parse_value(input.ty, text).expect("a value");
         Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
     }
     let of = |kind: &str, output: &str| -> Vec<Socket> {

@@ -1,5 +1,5 @@
-//! The house's own rules, asserted on what Cargo resolves: who may depend on whom, which features keep the same bits, which
-//! licences come in.
+//! The house's own rules, asserted on what Cargo resolves and on the sources: who may depend on whom, crates and modules alike, which
+//! features keep the same bits, which licences come in.
 
 #[path = "house/imports.rs"]
 mod imports;
@@ -155,17 +155,41 @@ fn what_is_measured_does_not_hang_on_the_systems_maths() {
     }
 }
 
-/// The layers of the program, lowest first: a module imports modules of lower layers alone.
-const LAYERS: &[&[&str]] = &[
-    &["words", "places", "files", "feeders"],
-    &["library", "pack", "scene"],
-    &["widgets"],
-    &["core"],
-    &["jobs"],
-    &["rooms"],
-    &["editor"],
-    &["cli"],
-];
+/// The layers of each crate, lowest first: a module imports modules of lower layers alone. Those of nodes end with the stages in which
+/// hair is made, so that none knows a later one, and with what judges their work.
+fn layers() -> [(&'static str, Vec<&'static str>); 4] {
+    let floor = ["maths", "error", "data", "eval", "define", "declared formats"];
+    let stages = coif_nodes::STAGES.iter().map(|(stage, _)| *stage);
+    let nodes = floor.into_iter().chain(stages).chain(["laws"]).collect();
+    let graphs = vec![
+        "values",
+        "text",
+        "document",
+        "file",
+        "clipboard compare grooms schedule",
+        "template trace",
+    ];
+    let shaders = vec![
+        "camera display environment gpu hair source twins",
+        "frame picture view",
+        "legend light pipelines small strands",
+        "chart hdri maps",
+        "surface",
+        "solids",
+        "renderer",
+    ];
+    let app = vec![
+        "words places files feeders",
+        "library pack scene",
+        "widgets",
+        "core",
+        "jobs",
+        "rooms",
+        "editor",
+        "cli",
+    ];
+    [("nodes", nodes), ("graphs", graphs), ("shaders", shaders), ("app", app)]
+}
 
 /// The sources of a crate, by their paths below its `src`.
 fn sources_of(package: &str) -> Vec<(std::path::PathBuf, String)> {
@@ -178,48 +202,61 @@ fn sources_of(package: &str) -> Vec<(std::path::PathBuf, String)> {
     all
 }
 
-/// What goes up or sideways, a line each with its place.
-fn against_the_layers(all: &[imports::Import]) -> Vec<String> {
-    let layer = |module: &str| LAYERS.iter().position(|layer| layer.contains(&module));
+/// What goes up or sideways, a line each with its place. The root of a crate stands above all of its layers; rooms are folders of one
+/// layer that do not know each other either.
+fn against_the_layers(
+    (package, layers): &(&str, Vec<&str>),
+    all: &[imports::Import],
+) -> Vec<String> {
+    let layer = |module: &[String]| match module.first() {
+        Some(name) => layers.iter().position(|layer| layer.split(' ').any(|one| one == name)),
+        None => Some(layers.len()),
+    };
+    let part = |module: &[String]| {
+        let depth = if module.first().is_some_and(|name| name == "rooms") { 2 } else { 1 };
+        module.iter().take(depth).cloned().collect::<Vec<_>>()
+    };
     let mut wrong = vec![];
     for import in all {
-        let (Some(from), Some(to)) = (import.from.first(), import.to.first()) else { continue };
-        let (Some(mine), Some(its)) = (layer(from), layer(to)) else {
-            wrong.push(format!("{}: {from} or {to} is in no layer", import.file.display()));
-            continue;
+        let way = match (layer(&import.from), layer(&import.to)) {
+            (Some(from), Some(to)) if to > from => "up",
+            (Some(from), Some(to)) if to < from || part(&import.from) == part(&import.to) => {
+                continue;
+            }
+            (Some(_), Some(_)) => "sideways",
+            _ => "from or to no layer",
         };
-        let rooms = [&import.from, &import.to].map(|module| module.get(1));
-        let sideways = match from == to {
-            true => from == "rooms" && rooms[0] != rooms[1],
-            false => mine == its,
-        };
-        if its > mine || sideways {
-            let way = if sideways { "sideways" } else { "up" };
-            let (file, line, path) = (import.file.display(), import.line, &import.path);
-            wrong.push(format!("app/src/{file}:{line}: crate::{path} leads {way}"));
-        }
+        let (file, line, path) = (import.file.display(), import.line, &import.path);
+        wrong.push(format!("{package}/src/{file}:{line}: crate::{path} leads {way}"));
     }
     wrong
 }
 
 #[test]
-fn the_program_stands_in_layers_and_no_room_knows_another() {
-    let all = imports::imports(&sources_of("app"));
-    assert!(all.len() > 1000, "{} imports were read", all.len());
-    let wrong = against_the_layers(&all);
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert_eq!(imports::circles(&all), Default::default());
+fn each_crate_stands_in_layers_and_no_room_knows_another() {
+    for layered in layers() {
+        let package = layered.0;
+        let all = imports::imports(&sources_of(package));
+        assert!(all.len() > 100, "{package}: {} imports were read", all.len());
+        let wrong = against_the_layers(&layered, &all);
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+        for module in layered.1.iter().flat_map(|layer| layer.split(' ')) {
+            let at = repository().join(package).join("src").join(module);
+            assert!(at.is_dir() || at.with_extension("rs").is_file(), "{}", at.display());
+        }
+    }
 }
 
 #[test]
 fn what_leads_up_or_sideways_is_told_with_its_place() {
+    let layered = ("app", vec!["words", "core", "rooms", "cli"]);
     let check = |file: &str, text: &str, told: &[&str]| {
-        let all =
-            ["cli/mod.rs", "core/state.rs", "rooms/pen/mod.rs", "rooms/canvas.rs", "words.rs"];
-        let mut all: Vec<_> = all.map(|file| (file.into(), String::new())).into();
+        let all = "cli/mod core/mod core/state rooms/pen/mod rooms/canvas words".split(' ');
+        let mut all: Vec<_> =
+            all.map(|file| (format!("{file}.rs").into(), String::new())).collect();
         all.retain(|(other, _): &(std::path::PathBuf, _)| *other != std::path::Path::new(file));
         all.push((file.into(), text.to_owned()));
-        assert_eq!(against_the_layers(&imports::imports(&all)), told, "{text}");
+        assert_eq!(against_the_layers(&layered, &imports::imports(&all)), told, "{text}");
     };
     check("rooms/canvas.rs", "use crate::core::state::State;\nuse crate::words;", &[]);
     check(
@@ -242,7 +279,14 @@ fn what_leads_up_or_sideways_is_told_with_its_place() {
         &["app/src/core/state.rs:3: crate::cli::run leads up"],
     );
     check("core/state.rs", "const A: &[u8] = br#\"'\"#;\nuse crate::cli::run;", &[up]);
-    check("new.rs", "use crate::words;", &["new.rs: new or words is in no layer"]);
+    check(
+        "core/state.rs",
+        "use crate::VERSION;",
+        &["app/src/core/state.rs:1: crate::VERSION leads up"],
+    );
+    check("main.rs", "use crate::cli::run;", &[]);
+    let none = "app/src/new.rs:1: crate::words leads from or to no layer";
+    check("new.rs", "use crate::words;", &[none]);
 }
 
 #[test]

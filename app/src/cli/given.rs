@@ -6,7 +6,7 @@
 
 use crate::jobs::stop::Stop;
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
-use coif_graphs::file;
+use coif_graphs::text::parse_value;
 use coif_nodes::declared::PARAMETERS;
 use coif_nodes::define::{InputDef, Value, short};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub(super) fn apply_set(document: &mut Document, set: &str) -> Result<(), Stop> 
 /// There is no such input or parameter, or the text is no value of its type.
 pub(super) fn set_value(document: &mut Document, name: &str, text: &str) -> Result<(), String> {
     let (socket, input) = input_of(document, name)?;
-    let value = file::parse_value(input.ty, text)?;
+    let value = parse_value(input.ty, text)?;
     let node = document.nodes.get_mut(&socket.node).ok_or("there is no such node")?;
     Arc::make_mut(node).inputs.insert(input.name.to_owned(), Setting::Known(value));
     document.links.remove(&Socket::new(socket.node, input.name));

@@ -122,7 +122,7 @@ fn report(name: &str, Merged { conflicts, yielded, .. }: &Merged) -> Exit {
             1 => "1 conflict".to_owned(),
             n => format!("{n} conflicts"),
         },
-        coif_graphs::compare::CONFLICT
+        coif_graphs::file::CONFLICT
     ));
     Exit::Failed
 }

@@ -99,7 +99,7 @@ fn default_of(input: &InputDef) -> Option<String> {
         Value::Float(_) | Value::Int(_) => input.unit.suffix(),
         _ => "",
     };
-    Some(format!("`{}`{unit}", coif_graphs::file::write_value(&value)))
+    Some(format!("`{}`{unit}", coif_graphs::text::write_value(&value)))
 }
 
 fn range_of(input: &InputDef) -> String {
@@ -154,7 +154,7 @@ fn as_json(stage: &str, node: &NodeDef) -> Json {
                     Arity::Optional => "optional",
                     Arity::Many => "many",
                 },
-                "default": input.default().map(|d| coif_graphs::file::write_value(&d)),
+                "default": input.default().map(|d| coif_graphs::text::write_value(&d)),
                 "hard": input.hard.map(|(a, b)| [a, b]),
                 "soft": input.soft.map(|(a, b)| [a, b]),
                 "unit": input.unit.suffix().trim(),

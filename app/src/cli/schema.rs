@@ -7,8 +7,8 @@
 //! `x-shorter-than`: as a vector it is shorter. `x-not-one-place`: the entries are not all the same.
 //! `x-wires`: inputs and outputs that a wire may end at, with their types.
 
-use coif_graphs::document::values::DEEPEST_FIELD;
 use coif_graphs::file::{FORMAT, PORT_TYPES, PORT_UNITS};
+use coif_graphs::values::DEEPEST_FIELD;
 use coif_nodes::data::gestures::{Layer, Tool};
 use coif_nodes::data::shapes::Section;
 use coif_nodes::data::strokes::Mode;
@@ -385,7 +385,7 @@ fn value(input: &InputDef) -> Option<Json> {
     }
     of["description"] = json!(input.doc());
     if let Some(default) = input.default() {
-        of["x-default"] = json!(coif_graphs::file::write_value(&default));
+        of["x-default"] = json!(coif_graphs::text::write_value(&default));
     }
     Some(of)
 }

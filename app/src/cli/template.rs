@@ -17,7 +17,7 @@ use clap::{Args, Subcommand};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Origin, Socket, groups};
 use coif_graphs::schedule::run::CancelToken;
-use coif_graphs::{compare, file, template};
+use coif_graphs::{compare, file, template, text};
 use coif_nodes::define::short;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -265,7 +265,7 @@ pub(super) fn info(entry: &Entry) -> String {
         say("nodes: ", &nodes.to_string());
         for input in def.inputs {
             let default =
-                input.default().map(|value| format!(" = {}", short(&file::write_value(&value))));
+                input.default().map(|value| format!(" = {}", short(&text::write_value(&value))));
             say(
                 "takes ",
                 &format!("{}{} ({})", input.name, default.unwrap_or_default(), input.ty.name()),

@@ -7,7 +7,7 @@ use crate::core::state::{OpenFile, Select};
 use crate::places::Places;
 use crate::testing::Folder;
 use coif_graphs::document::{Document, NodeId};
-use coif_graphs::{file, grooms};
+use coif_graphs::{file, grooms, text};
 use egui::{Event as Input, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{By, NodeT, Queryable};
@@ -482,7 +482,7 @@ fn hair_that_changes_begins_one_picture_and_what_changes_none_begins_none() {
     let set = |input: &str, text: &str| {
         let def = coif_nodes::by_id("stroke_input").unwrap();
         let ty = def.input(input).unwrap().1.ty;
-        let setting = coif_graphs::document::Setting::Known(file::read_value(ty, text).unwrap());
+        let setting = coif_graphs::document::Setting::Known(text::read_value(ty, text).unwrap());
         let (node, input) = (NodeId::new("rows").unwrap(), input.to_owned());
         Event::Edit(coif_graphs::document::edit::Edit::SetInput { node, input, setting })
     };

@@ -7,11 +7,9 @@ use super::diff::Change;
 use super::fact::{Fact, Said};
 use super::words::{cut, one_line, plain};
 use crate::document::{Document, Place, Setting};
+use crate::file::CONFLICT;
 use std::collections::BTreeMap;
 use std::fmt;
-
-/// How a comment begins that says what a merge could not decide. Whoever decided it removes the comment.
-pub const CONFLICT: &str = "// conflict:";
 
 /// The most conflicts that are written before one entry: who finds so many merges by hand.
 const MOST_LINES: usize = 20;

@@ -1,6 +1,6 @@
 //! Lists whose items have names: in which order two people's versions of one list go together.
 //!
-//! As in files (`file/order.rs`), what comes to a list comes behind something: what one person adds stands right behind the item
+//! As in files (`text/order.rs`), what comes to a list comes behind something: what one person adds stands right behind the item
 //! that it was put behind, and where both put something there, the lots of the names tell which comes first. So it is the same
 //! whoever merges whom.
 
@@ -74,7 +74,7 @@ fn behind<K: Ord + Clone>(
 mod tests {
     use super::*;
     use crate::document::testing::Random;
-    use crate::file::lot;
+    use crate::text::order::lot;
 
     #[test]
     fn what_two_add_stands_behind_what_each_put_it_behind() {

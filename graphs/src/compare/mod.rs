@@ -23,7 +23,7 @@ mod tests;
 mod undecided;
 mod words;
 
-pub use conflict::{CONFLICT, Clash, Conflict};
+pub use conflict::{Clash, Conflict};
 pub use diff::{Change, Drawn, diff, drawn, is_same_hair};
 pub use fact::{Fact, Said, Wire};
 pub use merge::{Merged, merge};

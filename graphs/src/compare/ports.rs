@@ -6,7 +6,7 @@
 
 use super::items::one;
 use super::lists::in_one_order;
-use crate::file::lot;
+use crate::text::order::lot;
 use coif_nodes::declared::{Interface, Port};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -4,12 +4,13 @@
 //! where the comment holds all of it and it can be told for sure: a value, a name or a wire that both changed. Of a node that one
 //! removed, of strokes, and of what is longer than a comment holds, the other's file knows more than the comment does.
 
-use super::conflict::{CONFLICT, as_told, told_of_ours};
+use super::conflict::{as_told, told_of_ours};
 use super::fact::{Fact, Facts, facts};
 use super::words::one_line;
 use crate::document::edit::Edit;
 use crate::document::{Document, NodeId, Place, Setting, Socket};
-use crate::file::read_value;
+use crate::file::CONFLICT;
+use crate::text::read_value;
 use coif_nodes::define::{Type, Value};
 
 /// One thing that a merge left to decide.

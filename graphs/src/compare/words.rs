@@ -7,7 +7,7 @@ use super::diff::{Change, Drawn, diff, drawn, value};
 use super::fact::{Fact, Limit, Said};
 use super::lists::{is_in_one_order, numbered};
 use crate::document::{Document, NodeId, Place, Setting, Socket};
-use crate::file::write_value;
+use crate::text::write_value;
 use coif_nodes::data::gestures::{Gestures, Tool};
 use coif_nodes::declared::{Interface, Port};
 use coif_nodes::define::{Type, Value, short};

@@ -8,8 +8,9 @@
 use super::budget::Budget;
 use super::{
     Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, Thumbnail,
-    graph, values,
+    graph,
 };
+use crate::values;
 use coif_nodes::data::gestures::Gesture;
 use coif_nodes::data::strokes::Stroke;
 use coif_nodes::declared;
@@ -636,14 +637,14 @@ fn checked(
 ) -> Result<Setting, EditError> {
     let bad = |reason: String| EditError::BadValue { at: at.clone(), reason };
     if let Setting::Raw(text) = setting {
-        crate::file::prove_raw(text).map_err(bad)?;
+        crate::text::prove_raw(text).map_err(bad)?;
     }
     // What goes out of a group comes by wire.
     let def = def.filter(|_| kind != declared::GROUP_OUTPUT);
     let Some(def) = def else {
         // Nothing says what it is.
         return Ok(match setting {
-            Setting::Known(value) => Setting::Raw(crate::file::write_value(value).into()),
+            Setting::Known(value) => Setting::Raw(crate::text::write_value(value).into()),
             raw => raw.clone(),
         });
     };
@@ -656,7 +657,7 @@ fn checked(
         return Err(EditError::NoInput { at: at.clone(), kind: kind.to_owned(), near });
     };
     match setting {
-        Setting::Raw(text) => Ok(crate::file::proven_value(input.ty, text)
+        Setting::Raw(text) => Ok(crate::text::proven_value(input.ty, text)
             .map_or_else(|_| setting.clone(), Setting::Known)),
         Setting::Known(value) => {
             values::fit(input.ty, value.clone()).map(Setting::Known).map_err(bad)

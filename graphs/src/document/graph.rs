@@ -3,8 +3,9 @@
 //!
 //! Nothing here recurses: a chain of a hundred thousand nodes is as good as one of three.
 
-use super::suggest::nearest;
-use super::{Document, Node, NodeId, Setting, Socket, groups, values};
+use super::{Document, Node, NodeId, Setting, Socket, groups};
+use crate::values;
+use crate::values::suggest::nearest;
 use coif_nodes::data::field::Field;
 use coif_nodes::declared;
 use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type, Unit, Value, short};
@@ -482,7 +483,7 @@ fn check_value(
 ) {
     let fit = match setting {
         Setting::Known(value) => values::fit(input.ty, value.clone()),
-        Setting::Raw(text) => crate::file::proven_value(input.ty, text),
+        Setting::Raw(text) => crate::text::proven_value(input.ty, text),
     };
     let value = match fit {
         Ok(value) => value,
@@ -526,7 +527,7 @@ fn stop_beyond(ramp: &coif_nodes::data::ramp::Ramp, beyond: impl Fn(f32) -> bool
 /// A setting in a message: cut where it is long.
 fn shown(setting: &Setting) -> String {
     let text = match setting {
-        Setting::Known(value) => crate::file::write_value(value),
+        Setting::Known(value) => crate::text::write_value(value),
         Setting::Raw(text) => text.to_string(),
     };
     short(&text)
@@ -543,7 +544,7 @@ fn example(input: &InputDef) -> String {
         (Some((lo, hi)), unit) => format!(" from {lo} to {hi}{}", unit.suffix()),
     };
     let like = match input.default() {
-        Some(default) => format!(", such as {}", short(&crate::file::write_value(&default))),
+        Some(default) => format!(", such as {}", short(&crate::text::write_value(&default))),
         None => String::new(),
     };
     format!("a {}{range}{like}", input.ty.name())

@@ -9,7 +9,8 @@
 
 use super::edit::Edit;
 use super::graph::{self, Fault, Problem, problem};
-use super::{Document, Node, NodeId, Place, Point, Setting, Socket, values};
+use super::{Document, Node, NodeId, Place, Point, Setting, Socket};
+use crate::values;
 use coif_nodes::declared::{self, Interface, Port};
 use coif_nodes::define::{Arity, InputDef, Type};
 use std::collections::{BTreeMap, BTreeSet};

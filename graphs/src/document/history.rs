@@ -457,7 +457,7 @@ fn said(setting: Option<&Setting>) -> String {
         Some(Setting::Known(Value::Field(field))) if field.constant().is_some() => {
             number(f64::from(field.constant().unwrap_or_default()))
         }
-        Some(Setting::Known(value)) => short(&crate::file::write_value(value)),
+        Some(Setting::Known(value)) => short(&crate::text::write_value(value)),
         Some(Setting::Raw(text)) => short(text),
         None => "default".to_owned(),
     }

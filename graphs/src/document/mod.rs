@@ -24,13 +24,10 @@ pub mod graph;
 pub mod groups;
 pub mod history;
 mod layout;
-pub mod part;
 pub mod strokes;
-mod suggest;
 #[cfg(test)]
 pub(crate) mod testing;
 mod thumbnail;
-pub mod values;
 pub mod wiring;
 
 pub use layout::{Frame, LONGEST_NAME, SavedLook, SavedView};

@@ -2,12 +2,11 @@
 //! same bits.
 //!
 //! A stroke is simplified once, at pen-up, before it is first evaluated; from then on it is on the
-//! grid of [`on_the_grid`], in which files hold it exactly.
+//! grid in which files hold it exactly (`values/grid.rs`).
 
+use crate::values::grid::Steps;
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::maths::hash::{Key, KeyBuilder};
-use glam::{Vec2, Vec3};
-use std::sync::Arc;
 
 pub mod cvs;
 #[cfg(test)]
@@ -19,15 +18,6 @@ pub mod whole;
 /// cornrows; smaller keeps tremor and costs bytes.
 pub const TOLERANCE: f32 = 0.02;
 
-/// Steps of a position on the grid in one cm. With 0.01 cm the rounding of three coordinates moves
-/// a sample by at most 0.0087 cm, which is taken out of [`TOLERANCE`].
-const STEPS_PER_CM: f64 = 100.0;
-/// Steps of pressure: as many as the cheapest pens report.
-pub(super) const PRESSURE_STEPS: f64 = 256.0;
-/// Steps of time in a second: pens report at most each millisecond.
-pub(super) const STEPS_PER_SECOND: f64 = 1000.0;
-/// Steps of tilt in a right angle: 1.4 degrees, finer than any hand.
-pub(super) const TILT_STEPS: f64 = 64.0;
 /// What simplifying may use of [`TOLERANCE`] once rounding has had its share.
 const SHARE: f32 = 0.011;
 /// How far pressure may be from the pen's, absolute: 4 of 256 steps. One step would keep the noise
@@ -36,67 +26,9 @@ const PRESSURE_TOLERANCE: f32 = 4.0 / 256.0;
 /// How far tilt may be from the pen's, in right angles: 5.6 degrees. A finer one would keep samples for
 /// the way a wrist turns, which shows nowhere.
 const TILT_TOLERANCE: f32 = 4.0 / 64.0;
-/// Farther from the head's centre than anything drawn, near enough for exact sums (cm).
-const FARTHEST: f64 = 1e5;
-/// Longer than anybody draws one stroke (seconds).
-pub(super) const LONGEST: f64 = 1e5;
 /// Samples that are simplified at once. Its worst case is quadratic; a stroke of 2 s has 400
 /// samples.
 const WINDOW: usize = 2048;
-
-/// A sample in whole steps of the grid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Steps(pub(crate) [i64; 7]);
-
-/// Nearest step; values beyond `most` are moved to it, NaN to 0.
-pub(super) fn steps(x: f32, per_unit: f64, most: f64) -> i64 {
-    (f64::from(x).clamp(-most, most) * per_unit).round() as i64
-}
-pub(super) fn value(steps: i64, per_unit: f64, most: f64) -> f32 {
-    (steps as f64 / per_unit).clamp(-most, most) as f32
-}
-
-impl Steps {
-    pub(crate) fn of(sample: &Sample) -> Self {
-        let [x, y, z] = sample.position.to_array().map(|x| steps(x, STEPS_PER_CM, FARTHEST));
-        let pressure = steps(sample.pressure, PRESSURE_STEPS, 1.0).max(0);
-        let time = steps(sample.time, STEPS_PER_SECOND, LONGEST).max(0);
-        let [right, near] = sample.tilt.to_array().map(|x| steps(x, TILT_STEPS, 1.0));
-        Self([x, y, z, pressure, time, right, near])
-    }
-    pub(crate) fn sample(self) -> Sample {
-        let [x, y, z, pressure, time, right, near] = self.0;
-        let [x, y, z] = [x, y, z].map(|x| value(x, STEPS_PER_CM, FARTHEST));
-        Sample {
-            position: Vec3::new(x, y, z),
-            pressure: value(pressure, PRESSURE_STEPS, 1.0).max(0.0),
-            time: value(time, STEPS_PER_SECOND, LONGEST).max(0.0),
-            tilt: Vec2::new(value(right, TILT_STEPS, 1.0), value(near, TILT_STEPS, 1.0)),
-        }
-    }
-}
-
-/// The strokes with every sample on the grid: the same `Arc` when they are already. Samples that
-/// are not finite are left as they are, to be refused as such.
-pub fn on_the_grid(strokes: Arc<Strokes>) -> Arc<Strokes> {
-    // By bits: -0.0 is none of the grid's.
-    let same = |a: &Sample, b: &Sample| bytemuck::bytes_of(a) == bytemuck::bytes_of(b);
-    let on_grid = |s: &Sample| !s.is_finite() || same(&Steps::of(s).sample(), s);
-    let is_kept =
-        |stroke: &Stroke| stroke.samples.iter().all(on_grid) && stroke.drawn.iter().all(on_grid);
-    if strokes.0.iter().all(is_kept) {
-        return strokes;
-    }
-    let mut strokes = Arc::unwrap_or_clone(strokes);
-    for stroke in &mut strokes.0 {
-        for sample in stroke.samples.iter_mut().chain(&mut stroke.drawn) {
-            if sample.is_finite() {
-                *sample = Steps::of(sample).sample();
-            }
-        }
-    }
-    Arc::new(strokes)
-}
 
 /// A finished stroke from what the pen gave: simplified, on the grid, with an id of its own among
 /// `others`.

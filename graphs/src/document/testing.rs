@@ -4,8 +4,9 @@ use super::budget::{Budget, Term};
 use super::edit::Edit;
 use super::{
     Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
-    Thumbnail, gestures, strokes, thumbnail, values,
+    Thumbnail, gestures, strokes, thumbnail,
 };
+use crate::values;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use coif_nodes::data::ramp::{Blend, Ramp};

@@ -6,7 +6,8 @@
 
 use super::edit::Edit;
 use super::graph::{self, wire_ends_problem};
-use super::{Document, Node, NodeId, Setting, Socket, groups, values};
+use super::{Document, Node, NodeId, Setting, Socket, groups};
+use crate::values;
 use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -242,7 +243,7 @@ pub fn change_kind(document: &Document, id: &NodeId, kind: &str) -> Result<Edit,
         let Some((_, input)) = def.input(name) else { continue };
         let value = match setting {
             Setting::Known(value) => values::fit(input.ty, value.clone()),
-            Setting::Raw(text) => crate::file::proven_value(input.ty, text),
+            Setting::Raw(text) => crate::text::proven_value(input.ty, text),
         };
         if let Ok(value) = value {
             node.inputs.insert(input.name.to_owned(), Setting::Known(value));

@@ -1,7 +1,7 @@
 //! Documents as text: RON made for people and for git.
 //!
 //! One fact a line, with the shortest numbers that read back the same, in an order in which what two
-//! people change and add merges (`order.rs`): each node stands with its place, its values and its wires.
+//! people change and add merges (`text/order.rs`): each node stands with its place, its values and its wires.
 //! What this version does not know of nodes and values is kept
 //! byte for byte; what it does not know of the document itself is refused, with line and column.
 //! `read(write(d)) == d`, and `write(read(f))` is a fixed point.
@@ -14,33 +14,26 @@ use std::fmt;
 use std::io::{self, Write as _};
 use std::path::Path;
 
-mod columns;
-mod gestures;
 #[cfg(test)]
 pub(crate) mod merges;
-mod order;
-mod points;
 mod ports;
 mod read;
 mod scan;
-mod strokes;
 #[cfg(test)]
 mod tests;
 mod upgrade;
-mod values;
 mod write;
 
-pub(crate) use order::lot;
 pub use ports::{TYPES as PORT_TYPES, UNITS as PORT_UNITS};
-pub(crate) use read::prove_raw;
-pub(crate) use values::proven_value;
-pub use values::{parse_value, read_value, write_value};
 
 /// The format that this version writes. It goes up when an older version would misread a file.
 pub const FORMAT: u32 = 2;
 
 /// The oldest format that is read.
 const OLDEST: u32 = 1;
+
+/// How a comment begins that says what a merge could not decide. Whoever decided it removes the comment.
+pub const CONFLICT: &str = "// conflict:";
 
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +42,7 @@ pub struct Loaded {
     pub document: Document,
     /// What this version does not know or cannot use; it is kept unless the message says otherwise.
     pub warnings: Vec<FileError>,
-    /// What a merge could not decide and nobody has since: comments that begin with [`CONFLICT`](crate::compare::CONFLICT). Each message says what to do.
+    /// What a merge could not decide and nobody has since: comments that begin with [`CONFLICT`]. Each message says what to do.
     pub conflicts: Vec<FileError>,
     /// Comments that stand where they cannot be kept: saving drops them. Each message is the
     /// comment.

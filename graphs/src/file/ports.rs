@@ -1,8 +1,10 @@
 //! The interface of a group and its template, as files have them.
 
-use super::read::there;
-use super::values::{placed_value, quoted, write_to};
 use crate::document::Origin;
+use crate::text::there;
+use crate::text::tokens::trimmed;
+use crate::text::values::{placed_value, quoted, write_to};
+use crate::values::no_such_word;
 use coif_nodes::declared::{self, Interface, Port};
 use coif_nodes::define::{Arity, Type, Unit};
 use ron::value::RawValue;
@@ -130,14 +132,14 @@ word!(Kind(Type), |text| {
     let found = TYPES.iter().find(|(word, _)| *word == text).map(|(_, ty)| *ty);
     found.ok_or_else(|| {
         let known: Vec<&str> = TYPES.iter().map(|(word, _)| *word).collect();
-        crate::document::values::no_such_word(&text, &known)
+        no_such_word(&text, &known)
     })
 });
 word!(Counts(Unit), |text| {
     let found = UNITS.iter().find(|(word, _)| *word == text).map(|(_, unit)| *unit);
     found.ok_or_else(|| {
         let known: Vec<&str> = UNITS.iter().skip(1).map(|(word, _)| *word).collect();
-        crate::document::values::no_such_word(&text, &known)
+        no_such_word(&text, &known)
     })
 });
 impl Default for Counts {
@@ -204,7 +206,7 @@ fn ports(side: Vec<FilePort>, said: &mut Vec<String>) -> Vec<Port> {
             Type::Choice(_) => declared::choice(&file.choices),
             ty => ty,
         };
-        let read = file.default.map(|raw| placed_value(ty, super::scan::trimmed(raw.get_ron())));
+        let read = file.default.map(|raw| placed_value(ty, trimmed(raw.get_ron())));
         let default = match read {
             Some(Ok(value)) => Some(value),
             Some(Err(wrong)) => {

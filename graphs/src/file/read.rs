@@ -1,16 +1,17 @@
 //! Text to documents: the structs of formats 1 and 2, and their conversion.
 
-use super::order::in_order;
 use super::ports::{self, FileInterface, FileOrigin};
-use super::scan::{Scan, error_at, errors_at, scan, trimmed};
-use super::values::{Wrong, placed_value};
-use super::{FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
-use crate::compare::CONFLICT;
+use super::scan::{Scan, error_at, errors_at, scan};
+use super::{CONFLICT, FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
 use crate::document::budget::Term;
 use crate::document::{
     BadId, Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
     Thumbnail,
 };
+use crate::text::order::in_order;
+use crate::text::tokens::trimmed;
+use crate::text::values::{Wrong, placed_value};
+use crate::text::{DEEPEST_IN_FILE, in_words, place_of, prove_raw, there};
 use coif_nodes::declared;
 use coif_nodes::define::{NodeDef, short};
 use ron::value::RawValue;
@@ -22,12 +23,6 @@ use std::marker::PhantomData;
 use std::ops::Range;
 use std::str::FromStr;
 use std::sync::Arc;
-
-/// The deepest nesting of brackets in a file: ours has 8, and 2 more for each group within a group; what is deeper is an attack on a
-/// recursive reader.
-const DEEPEST: usize = 128;
-/// What of it is left within the value of an input: groups within groups have two brackets each.
-const DEEPEST_VALUE: usize = 56;
 
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Groom")]
@@ -206,13 +201,6 @@ struct FileLook {
     skin: String,
 }
 
-/// What may lack, without the `Some` that RON asks for.
-pub(super) fn there<'de, D: serde::Deserializer<'de>, T: serde::Deserialize<'de>>(
-    from: D,
-) -> Result<Option<T>, D::Error> {
-    T::deserialize(from).map(Some)
-}
-
 /// A map in the order of the file. Two entries of one name are refused: a merge made them, and one
 /// would be lost. Names are read here, where the reader knows the line.
 struct Entries<K, T>(Vec<(K, T)>);
@@ -282,31 +270,6 @@ impl<'de> Deserialize<'de> for FileWires {
         }
         deserializer.deserialize_any(WiresVisitor)
     }
-}
-
-/// An error of the RON reader as one line of ours.
-pub(super) fn in_words(err: &ron::Error) -> String {
-    let text = match err {
-        ron::Error::TrailingCharacters => "something stands behind its end".to_owned(),
-        ron::Error::ExpectedNamedStructLike("Groom")
-        | ron::Error::ExpectedDifferentStructName { expected: "Groom", .. } => {
-            "not a groom: a groom begins with `(`".to_owned()
-        }
-        ron::Error::MissingStructField { field, .. } => format!("the field `{field}` is missing"),
-        ron::Error::DuplicateStructField { field, .. } => {
-            format!("the field `{field}` stands here twice: keep one of them")
-        }
-        ron::Error::ExpectedFloat => "expected a number".to_owned(),
-        ron::Error::ExpectedInteger => "expected a whole number".to_owned(),
-        ron::Error::IntegerOutOfBounds => "the number is out of range".to_owned(),
-        ron::Error::Eof => "the text ends too early".to_owned(),
-        ron::Error::ExceededRecursionLimit => "brackets are nested too deeply".to_owned(),
-        err => err.to_string(),
-    };
-    let mut chars = text.chars();
-    let lower = chars.next().map(|c| c.to_lowercase().chain(chars).collect());
-    let text: String = lower.unwrap_or_default();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
@@ -391,33 +354,10 @@ fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, FileError> {
         let message = "a groom has no #![...] attributes: remove this line".to_owned();
         return Err(error_at(text, text.len() - trimmed_start(text).len(), message));
     }
-    ron::Options::default().with_recursion_limit(DEEPEST).from_str(text).map_err(|err| {
+    ron::Options::default().with_recursion_limit(DEEPEST_IN_FILE).from_str(text).map_err(|err| {
         let (line, column) = place_of(&err);
         FileError { line, column, message: in_words(&err.code) }
     })
-}
-
-/// Line and column of an error of the RON reader.
-pub(super) fn place_of(err: &ron::error::SpannedError) -> (usize, usize) {
-    use ron::Error as E;
-    let named = matches!(
-        err.code,
-        E::NoSuchStructField { .. } | E::DuplicateStructField { .. } | E::Message(_)
-    );
-    let place = if named { err.span.start } else { err.span.end };
-    (place.line, place.col)
-}
-
-/// Whether a file can hold the text as the value of an input and give it back; else why not.
-pub(crate) fn prove_raw(text: &str) -> Result<(), String> {
-    let options = ron::Options::default().with_recursion_limit(DEEPEST_VALUE);
-    let read = options.from_str::<&RawValue>(text).map_err(|err| in_words(&err.code));
-    if read.is_err() || trimmed(text) != text || text.starts_with('#') {
-        let why = read.err().unwrap_or_else(|| "something stands around it".to_owned());
-        let text = short(text);
-        return Err(format!("{text} is no value that a file can hold: {why}"));
-    }
-    Ok(())
 }
 
 fn trimmed_start(text: &str) -> &str {

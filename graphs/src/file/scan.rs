@@ -5,6 +5,7 @@
 
 use super::FileError;
 use crate::document::{NodeId, Place, Socket};
+use crate::text::tokens::{Comment, Tokens};
 use std::collections::BTreeMap;
 
 /// What a scan found.
@@ -16,15 +17,6 @@ pub(super) struct Scan {
     pub(super) dropped: Vec<Comment>,
     /// Where the value of each entry begins, in bytes.
     pub(super) values: BTreeMap<Place, usize>,
-}
-
-/// One comment.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Comment {
-    /// In bytes.
-    pub(super) at: usize,
-    /// With its slashes.
-    pub(super) text: String,
 }
 
 /// What lies inside a bracket.
@@ -47,19 +39,20 @@ enum Inside<'a> {
 
 /// Scans the text of a document.
 pub(super) fn scan(text: &str) -> Scan {
-    let mut scanner = Scanner { text, at: 0, found: Scan::default(), pending: vec![] };
-    scanner.trivia(true);
+    let mut scanner = Scanner { tokens: Tokens::of(text), found: Scan::default() };
+    scanner.tokens.trivia(true);
     scanner.attach(Place::Top);
     // The struct's name, if somebody wrote it.
-    scanner.word();
-    scanner.trivia(false);
+    scanner.tokens.word();
+    scanner.tokens.trivia(false);
     scanner.entries(Inside::Document);
-    while scanner.at < text.len() {
-        scanner.trivia(false);
-        scanner.token();
+    while scanner.tokens.at < text.len() {
+        scanner.tokens.trivia(false);
+        scanner.tokens.token();
     }
-    scanner.found.dropped.sort_by_key(|comment| comment.at);
-    scanner.found
+    let Scanner { tokens: Tokens { mut dropped, .. }, found } = scanner;
+    dropped.sort_by_key(|comment| comment.at);
+    Scan { dropped, ..found }
 }
 
 /// The message at a byte of a text.
@@ -109,209 +102,60 @@ impl Here<'_> {
     }
 }
 
-/// Where a line and column, both from 1, lie in a text, in bytes.
-pub(super) fn offset(text: &str, (line, column): (usize, usize)) -> usize {
-    let begin: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-    let on_line = text[begin..].chars().take(column.saturating_sub(1));
-    begin + on_line.map(char::len_utf8).sum::<usize>()
-}
-
-/// Where the items of a RON list begin, in bytes.
-pub(super) fn items(text: &str) -> Vec<usize> {
-    let mut scanner = Scanner { text, at: 0, found: Scan::default(), pending: vec![] };
-    let mut starts = vec![];
-    scanner.trivia(false);
-    // The list's own bracket, then the comma before each item but the first.
-    while scanner.rest().starts_with(if starts.is_empty() { '[' } else { ',' }) {
-        scanner.skip(1);
-        scanner.trivia(false);
-        if scanner.rest().is_empty() || scanner.rest().starts_with(']') {
-            break;
-        }
-        starts.push(scanner.at);
-        scanner.value();
-    }
-    starts
-}
-
-/// RON text without white space and comments around it.
-pub(super) fn trimmed(text: &str) -> &str {
-    let mut scanner = Scanner { text, at: 0, found: Scan::default(), pending: vec![] };
-    scanner.trivia(false);
-    let start = scanner.at;
-    let mut end = start;
-    while scanner.at < text.len() {
-        scanner.token();
-        end = scanner.at;
-        scanner.trivia(false);
-    }
-    &text[start..end]
-}
-
 struct Scanner<'a> {
-    text: &'a str,
-    at: usize,
+    tokens: Tokens<'a>,
     found: Scan,
-    /// Comment lines that wait for the entry below them.
-    pending: Vec<Comment>,
 }
 
-impl<'a> Scanner<'a> {
-    fn rest(&self) -> &'a str {
-        &self.text[self.at..]
-    }
-    fn skip(&mut self, bytes: usize) {
-        self.at += bytes;
-    }
-    /// Skips up to the first character that ends it, by byte length.
-    fn skip_to(&mut self, end: impl Fn(char) -> bool) {
-        let rest = self.rest();
-        self.skip(rest.find(end).unwrap_or(rest.len()));
-    }
-
-    /// Skips white space and comments. Where an entry may follow, comment lines wait for it.
-    fn trivia(&mut self, before_entry: bool) {
-        loop {
-            let rest = self.rest();
-            let white = |c: char| c.is_whitespace() || matches!(c, '\u{200E}' | '\u{200F}');
-            self.skip(rest.len() - rest.trim_start_matches(white).len());
-            let (start, rest) = (self.at, self.rest());
-            let is_line = rest.starts_with("//");
-            if is_line {
-                self.skip(rest.find('\n').unwrap_or(rest.len()));
-            } else if rest.starts_with("/*") {
-                self.block_comment();
-            } else {
-                return;
-            }
-            let text = self.text[start..self.at].trim_end().to_owned();
-            let before = self.text[..start].trim_end_matches(['\u{FEFF}', ' ', '\t']);
-            let alone = before.is_empty() || before.ends_with('\n');
-            let comment = Comment { at: start, text };
-            if is_line && alone && before_entry {
-                self.pending.push(comment);
-            } else {
-                self.found.dropped.push(comment);
-            }
-        }
-    }
-
-    fn block_comment(&mut self) {
-        let mut depth = 0;
-        while let Some(i) = self.rest().find(['/', '*']) {
-            self.skip(i);
-            match self.rest() {
-                rest if rest.starts_with("/*") => {
-                    self.skip(2);
-                    depth += 1;
-                }
-                rest if rest.starts_with("*/") => {
-                    self.skip(2);
-                    depth -= 1;
-                    if depth == 0 {
-                        return;
-                    }
-                }
-                _ => self.skip(1),
-            }
-        }
-        self.at = self.text.len();
-    }
-
+impl Scanner<'_> {
     fn attach(&mut self, place: Place) {
-        let lines = std::mem::take(&mut self.pending);
+        let lines = std::mem::take(&mut self.tokens.pending);
         if !lines.is_empty() {
             self.found.comments.entry(place).or_default().extend(lines);
         }
     }
 
-    fn word(&mut self) -> &'a str {
-        let start = self.at;
-        self.skip_to(|c| !(c.is_alphanumeric() || matches!(c, '_' | '#')));
-        &self.text[start..self.at]
-    }
-
-    /// Skips one token; comments are none.
-    fn token(&mut self) {
-        let rest = self.rest();
-        let Some(first) = rest.chars().next() else { return };
-        let raw = rest.trim_start_matches(['b', 'r']).trim_start_matches('#');
-        let lead = &rest[..rest.len() - raw.len()];
-        if raw.starts_with('"') && lead.contains('r') {
-            let hashes: String = lead.chars().filter(|c| *c == '#').collect();
-            let end = format!("\"{hashes}");
-            self.skip(lead.len() + 1);
-            let rest = self.rest();
-            self.skip(rest.find(&end).map_or(rest.len(), |i| i + end.len()));
-        } else if first == '"' || rest.starts_with("b\"") {
-            self.skip(rest.find('"').map_or(1, |i| i + 1));
-            self.skip_quoted('"');
-        } else if first == '\'' || rest.starts_with("b'") {
-            self.skip(rest.find('\'').map_or(1, |i| i + 1));
-            // The character itself may be the quote.
-            self.skip(if self.rest().starts_with("'") { 1 } else { 0 });
-            self.skip_quoted('\'');
-        } else if first.is_alphanumeric() || first == '_' {
-            self.word();
-        } else {
-            self.skip(first.len_utf8());
-        }
-    }
-
-    fn skip_quoted(&mut self, quote: char) {
-        let mut escaped = false;
-        for (i, c) in self.rest().char_indices() {
-            match c {
-                _ if escaped => escaped = false,
-                '\\' => escaped = true,
-                c if c == quote => return self.skip(i + c.len_utf8()),
-                _ => {}
-            }
-        }
-        self.at = self.text.len();
-    }
-
     /// The entries of a bracket of our own, from the bracket on. Anything else is skipped.
     fn entries(&mut self, inside: Inside) {
-        if !self.rest().starts_with(['(', '{', '[']) {
-            return self.value();
+        if !self.tokens.rest().starts_with(['(', '{', '[']) {
+            return self.tokens.value();
         }
-        self.skip(1);
+        self.tokens.skip(1);
         loop {
-            self.trivia(true);
-            if self.rest().is_empty() || self.rest().starts_with([')', '}', ']']) {
-                self.found.dropped.append(&mut self.pending);
-                self.skip(usize::from(!self.rest().is_empty()));
+            self.tokens.trivia(true);
+            if self.tokens.rest().is_empty() || self.tokens.rest().starts_with([')', '}', ']']) {
+                self.tokens.dropped.append(&mut self.tokens.pending);
+                self.tokens.skip(usize::from(!self.tokens.rest().is_empty()));
                 return;
             }
-            let start = self.at;
-            self.token();
-            let key = key(&self.text[start..self.at]);
+            let start = self.tokens.at;
+            self.tokens.token();
+            let key = key(&self.tokens.text[start..self.tokens.at]);
             let place = place(inside, &key);
             match &place {
                 Some(place) => self.attach(place.clone()),
-                None => self.found.dropped.append(&mut self.pending),
+                None => self.tokens.dropped.append(&mut self.tokens.pending),
             }
             if matches!(inside, Inside::Collapsed | Inside::Into(_)) {
                 // Of a list: the entry is its own value.
-                self.at = start;
+                self.tokens.at = start;
             } else {
-                self.trivia(false);
-                if self.rest().starts_with(':') {
-                    self.skip(1);
-                    self.trivia(false);
+                self.tokens.trivia(false);
+                if self.tokens.rest().starts_with(':') {
+                    self.tokens.skip(1);
+                    self.tokens.trivia(false);
                 }
             }
             match place {
                 Some(place) => {
-                    self.found.values.entry(place.clone()).or_insert(self.at);
+                    self.found.values.entry(place.clone()).or_insert(self.tokens.at);
                     self.child(&place);
                 }
-                None => self.value(),
+                None => self.tokens.value(),
             }
-            self.trivia(false);
-            if self.rest().starts_with(',') {
-                self.skip(1);
+            self.tokens.trivia(false);
+            if self.tokens.rest().starts_with(',') {
+                self.tokens.skip(1);
             }
         }
     }
@@ -326,11 +170,11 @@ impl<'a> Scanner<'a> {
                 "collapsed" => self.entries(Inside::Collapsed),
                 "views" => self.entries(Inside::Views),
                 "layout" => self.entries(Inside::Layout),
-                _ => self.value(),
+                _ => self.tokens.value(),
             },
             Place::Node(id) => {
-                self.word();
-                self.trivia(false);
+                self.tokens.word();
+                self.tokens.trivia(false);
                 self.entries(Inside::Node(id));
             }
             Place::NodeField(id, name) => match name.as_str() {
@@ -338,30 +182,9 @@ impl<'a> Scanner<'a> {
                 "links" => self.entries(Inside::Wired(id)),
                 "into" => self.entries(Inside::Into(id)),
                 "nodes" => self.entries(Inside::Nodes(Some(id))),
-                _ => self.value(),
+                _ => self.tokens.value(),
             },
-            _ => self.value(),
-        }
-    }
-
-    /// Skips a value: up to the comma or the bracket that ends it.
-    fn value(&mut self) {
-        let mut depth = 0usize;
-        loop {
-            if depth > 0 {
-                // Strokes are long lists of numbers.
-                self.skip_to(|c| !matches!(c, '0'..='9' | '-' | ',' | '.' | ' ' | '\n'));
-            }
-            self.trivia(false);
-            match self.rest().chars().next() {
-                None => return,
-                Some(')' | ']' | '}') if depth == 0 => return,
-                Some(',') if depth == 0 => return,
-                Some('(' | '[' | '{') => depth += 1,
-                Some(')' | ']' | '}') => depth -= 1,
-                Some(_) => {}
-            }
-            self.token();
+            _ => self.tokens.value(),
         }
     }
 }

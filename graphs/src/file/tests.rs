@@ -4,6 +4,7 @@ use super::*;
 use crate::document::edit::Edit;
 use crate::document::testing::Random;
 use crate::document::{NodeId, Point, Setting, Socket};
+use crate::text::read_value;
 use coif_nodes::define::Value;
 use expect_test::{Expect, expect};
 

@@ -1,13 +1,13 @@
 //! Documents to text.
 
-use super::order::{FRAMES, NODES, after, by_lot, lot};
 use super::ports::{origin_fields, write_port};
-use super::values::{new_line, quoted, write_to};
 use super::{FORMAT, PART};
 use crate::document::budget::Term;
 use crate::document::{
     Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
 };
+use crate::text::order::{FRAMES, NODES, after, by_lot, lot};
+use crate::text::values::{new_line, quoted, write_to};
 use coif_nodes::declared::Port;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

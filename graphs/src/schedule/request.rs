@@ -6,7 +6,8 @@
 use super::files::Files;
 use super::plan::{Plan, Source, Step};
 use crate::document::budget::Budget;
-use crate::document::{Document, Node, NodeId, Setting, Socket, graph, values};
+use crate::document::{Document, Node, NodeId, Setting, Socket, graph};
+use crate::values;
 use coif_nodes::declared::{self, Port};
 use coif_nodes::define::{Arity, Type, Value};
 use coif_nodes::eval::Quality;

@@ -4,9 +4,10 @@
 //! so that its hair is seen and written.
 
 use super::{OUTPUT, group_of, hash};
+use crate::clipboard;
 use crate::document::edit::Edit;
 use crate::document::graph::{HEAD, free_seed, head_at_hand, upstream};
-use crate::document::{Document, Node, NodeId, Origin, Point, Setting, Socket, part};
+use crate::document::{Document, Node, NodeId, Origin, Point, Setting, Socket};
 use coif_nodes::declared::GROUP_INPUT;
 use coif_nodes::define::{Type, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,7 +69,7 @@ pub fn add(document: &Document, template: &Document, place: Place) -> Result<Add
         part.layout.entry(group.clone()).or_default();
     }
     let shift = shift(document, &part, &known, (group, place.at));
-    let (edit, ids) = part::insert(document, &part, shift, &known, place.within)?;
+    let (edit, ids) = clipboard::insert(document, &part, shift, &known, place.within)?;
     let id = ids.get(group).cloned().ok_or("the group is not in it")?;
     let mut after = document.clone();
     edit.apply(&mut after).map_err(|err| err.to_string())?;

@@ -1,6 +1,6 @@
 //! The territory of each braid row, and the paths over it into the braid.
 //!
-//! A root belongs to a row as in `partition/territory.rs`: the nearest one by distance over the scalp. Paths over the
+//! A root belongs to a row as in `scalp/territory.rs`: the nearest one by distance over the scalp. Paths over the
 //! scalp are straight lines in a *map*: on each side of a row, columns of points march perpendicularly away from it
 //! over the skin and fan out around its two ends. With the row unrolled straight, a hair combed along and into the
 //! braid is a parabola, however the head bends beneath it.
@@ -15,7 +15,7 @@ use crate::maths::nearest::Nearest;
 use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, exp, sin_cos};
-use crate::partition::territory::{MOST_OVER, Row, farthest};
+use crate::scalp::territory::{MOST_OVER, Row, farthest};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::FRAC_PI_2;

@@ -24,7 +24,7 @@ use crate::define::{Colour, FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
-use crate::strand::walk::wander;
+use crate::maths::random_walk::wander;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 

@@ -6,9 +6,9 @@ use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{Frame, across, any_normal, carry, frames};
+use crate::maths::random_walk::smooth;
 use crate::maths::spline::{CurveFault, Place, Spline};
 use crate::maths::transcendental::{atan2, sin_cos};
-use crate::strand::walk::smooth;
 use glam::Vec3;
 
 /// The most that the cross-section turns between two points of a strand, degrees.

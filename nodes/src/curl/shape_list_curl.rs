@@ -16,6 +16,7 @@ use super::pattern::{Detail, Even, Pattern};
 use super::preset::Numbers;
 use super::profile::{Shape, entries};
 use super::winding::{Goal, Sizes, Winder, arc_length};
+use crate::data::attribute_transfer::between;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, ID, NORMAL, PARENT, ROLL,
     SHRINKAGE,
@@ -31,7 +32,6 @@ use crate::maths::frame::carry;
 use crate::maths::hash::KeyBuilder;
 use crate::maths::rail::Rail;
 use crate::maths::spline::Spline;
-use crate::strand::carried::between;
 use glam::Vec3;
 use std::sync::Arc;
 

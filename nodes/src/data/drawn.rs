@@ -9,7 +9,7 @@
 use super::outline::{Net, Outline, for_middles};
 use crate::maths::closest::Surface;
 use crate::maths::hash::{Key, KeyBuilder};
-use crate::scalp::region::soft;
+use crate::maths::soft_edge;
 use glam::Vec2;
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ impl Drawn {
                     let distance = line.distance(surface.points[v as usize]);
                     if line.holds_vertex(v) { distance.max(f32::MIN_POSITIVE) } else { -distance }
                 };
-                drawn.may[v as usize] * soft(drawn.deepest(depth), softness)
+                drawn.may[v as usize] * soft_edge(drawn.deepest(depth), softness)
             })
             .collect();
         let mixed = |corners: &[u32; 3]| {
@@ -102,7 +102,7 @@ impl Drawn {
         if may <= 0.0 {
             return 0.0;
         }
-        may * soft(self.deepest(|line| line.depth(surface, triangle, bary)), self.softness)
+        may * soft_edge(self.deepest(|line| line.depth(surface, triangle, bary)), self.softness)
     }
 
     /// Upper bound of the values in a triangle; `None` if the corners bound them.

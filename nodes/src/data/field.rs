@@ -6,6 +6,7 @@ use super::painted::Painted;
 use super::ramp::Ramp;
 use super::scalp::{Root, Scalp};
 use super::texture::Texture;
+use crate::error::NodeError;
 use crate::maths::hash::KeyBuilder;
 use glam::Vec2;
 use std::sync::Arc;
@@ -46,6 +47,12 @@ pub enum FieldFault {
     /// Nothing says where the roots are.
     #[error("mask {0:?} needs the scalp wired to this node")]
     NoScalp(String),
+}
+
+impl From<FieldFault> for NodeError {
+    fn from(fault: FieldFault) -> Self {
+        NodeError::Failed(fault.to_string())
+    }
 }
 
 impl Field {

@@ -79,7 +79,7 @@ impl Landmarks {
             match known {
                 None => faults.push(format!(
                     "{:?} is no landmark; landmarks are {}",
-                    crate::define::short(&name),
+                    crate::error::short(&name),
                     Landmark::names()
                 )),
                 Some(mark) if out.get(mark).is_some() => {

@@ -1,5 +1,6 @@
 //! Types that wires carry, and that readers and writers exchange with them.
 
+pub(crate) mod attribute_transfer;
 pub mod attributes;
 pub mod carry;
 pub mod chart;

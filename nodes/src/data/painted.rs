@@ -19,10 +19,9 @@ use super::field::{Field, FieldFault};
 use super::laid::{LEAST_POINTS, Laid};
 use super::scalp::{Root, Scalp};
 use super::strokes::{Brush, Mode, Sample, Stroke, Strokes};
-use crate::define::NodeError;
+use crate::error::NodeError;
 use crate::maths::hash::{Key, KeyBuilder};
-use crate::maths::smoothstep;
-use crate::scalp::region::soft;
+use crate::maths::{smoothstep, soft_edge};
 use dabs::{Dabs, Piece};
 pub use even::Even;
 use glam::{Vec2, Vec3};
@@ -231,7 +230,7 @@ impl Painted {
                     for ((cover, far), laid) in cover.iter_mut().zip(far).zip(lines) {
                         let Some(laid) = laid else { continue };
                         let inside = laid.outline.holds(surface, triangle, bary);
-                        *cover = soft(if inside { far } else { -far }, self.edges.line);
+                        *cover = soft_edge(if inside { far } else { -far }, self.edges.line);
                     }
                 }
                 (None, Mode::Flood) => cover = [1.0; 2],

@@ -249,7 +249,7 @@ impl Ways<'_> {
             cell = *on;
         }
         line.push(self.to);
-        let mut way = crate::scalp::lay::Polyline::new(line).evenly(ON_WAY);
+        let mut way = crate::maths::polyline::Polyline::new(line).evenly(ON_WAY);
         let mut near = self.home.scalp.closest_root(from)?.triangle;
         for _ in 0..PULLS {
             for k in 1..ON_WAY - 1 {

@@ -13,6 +13,7 @@
 //! no more than `Effort::most_tried` says. Stopping is heard within any curve.
 
 use super::repair::{Allowance, Mender, Read};
+use crate::data::attribute_transfer::between;
 use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
@@ -21,7 +22,6 @@ use crate::eval::Host;
 use crate::maths::catmull_rom_agreement::{AGREE, readings_differ};
 use crate::maths::nearest_on;
 use crate::maths::spline::{Place, Spline};
-use crate::strand::carried::between;
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 

@@ -14,8 +14,9 @@ use crate::data::strokes::{Stroke, Strokes};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{KeyBuilder, curve_id};
+use crate::maths::polyline::{self, Polyline};
 use crate::maths::spline::{Place, Spline};
-use crate::scalp::lay::{self, Polyline};
+use crate::scalp::lay;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -140,7 +141,7 @@ fn drawn_curve(
     };
     let smooth = hand.smoothed(inputs.smoothing * unit);
     let spacing = inputs.spacing * unit;
-    let fine = ((smooth.length() / (0.25 * spacing)).ceil() as usize).clamp(8, lay::MOST);
+    let fine = ((smooth.length() / (0.25 * spacing)).ceil() as usize).clamp(8, polyline::MOST);
     let mut line = smooth.evenly(fine + 1);
     let met =
         |p: Vec3| lay::met(scalp, p).map_or((p, Vec3::ZERO), |root| (root.point, root.normal));
@@ -169,7 +170,7 @@ fn drawn_curve(
         piece.trouble(stroke.id, "a stroke that the scalp has no room for was left out");
         return Ok(TuftBuilder::new().build());
     };
-    let n = ((spline.length() / spacing).round() as usize).clamp(2, lay::MOST - 1) + 1;
+    let n = ((spline.length() / spacing).round() as usize).clamp(2, polyline::MOST - 1) + 1;
     let mut points = Vec::with_capacity(n);
     spline.resample(n, |p| points.push(p));
     let mut normals = vec![Vec3::ZERO; n];

@@ -12,7 +12,9 @@ pub mod hair_colour;
 pub mod hash;
 pub mod low_discrepancy;
 pub mod nearest;
+pub(crate) mod polyline;
 pub mod rail;
+pub(crate) mod random_walk;
 pub mod spline;
 pub mod transcendental;
 mod triangle_tree;
@@ -32,4 +34,12 @@ pub fn nearest_on([a, b]: [Vec3; 2], p: Vec3) -> (Vec3, f32) {
 pub fn smoothstep(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
+}
+
+/// 0 to 1 across an edge of this width, centred where `inside` (the signed distance, cm) is 0.
+pub(crate) fn soft_edge(inside: f32, width: f32) -> f32 {
+    if width <= 0.0 {
+        return f32::from(inside > 0.0);
+    }
+    smoothstep(inside / width + 0.5)
 }

@@ -1,7 +1,7 @@
 //! Edge partition: the hairs between rows of braids, pulled from the parting into the braid.
 //!
 //! methods.md 3, after section 2.2 of the braids-and-curls talk ("Lightyear"). Rows and their territories are in
-//! `territory.rs`, the single hair in `parting_hair.rs`.
+//! `scalp/territory.rs`, the single hair in `parting_hair.rs`.
 //!
 //! Guarantees: roots lie on the scalp and are bound to it; ends lie within the braid's radius around its row; hairs
 //! stay out of the skin; ends of a group lie within the group's radius. Without `cross_partings`, every root stays half
@@ -11,7 +11,6 @@
 //! never overlap, since combed hair does.
 
 use super::parting_hair::{self, Ground, Home, Middle, Reach, Rules, Wish};
-use super::territory::{Overs, Row, Station, neighbour};
 use crate::data::attributes::{
     ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SECTION, SIDE, WIDTH,
 };
@@ -24,6 +23,7 @@ use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::r2;
 use crate::scalp::lay;
+use crate::scalp::territory::{Overs, Row, Station, neighbour};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use crate::data::chart::{CELL, CELLS, Chart, middle};
 use crate::data::scalp::Scalp;
-use crate::scalp::lay::{Polyline, filter};
+use crate::maths::polyline::{Polyline, filter};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 

@@ -5,8 +5,8 @@ use super::pattern::{Flat, lengths};
 use crate::data::chart::{CELL, Chart, cross};
 use crate::data::scalp::Scalp;
 use crate::maths::hash::Dice;
+use crate::maths::polyline::{Polyline, filter};
 use crate::maths::transcendental::sin;
-use crate::scalp::lay::{Polyline, filter};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 

@@ -7,8 +7,8 @@
 use crate::data::chart::{CELL, CELLS, Chart, around, cell_of};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
 use crate::data::sections::{NONE, Sections};
+use crate::maths::polyline::{Polyline, filter};
 use crate::maths::transcendental::sin_cos_turns;
-use crate::scalp::lay::{Polyline, filter};
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

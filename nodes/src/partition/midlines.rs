@@ -1,6 +1,6 @@
 //! Lines halfway between rows: the partings when rows are drawn first.
 //!
-//! methods.md 3, "braids first": the scalp is divided among rows by distance over the scalp (`territory.rs`), with a
+//! methods.md 3, "braids first": the scalp is divided among rows by distance over the scalp (`scalp/territory.rs`), with a
 //! line wherever the territories of two rows meet. The line is traced on the scalp's map through cells whose corners
 //! are nearest to different rows; three territories meet in a point shared by their three lines.
 //!
@@ -9,12 +9,12 @@
 //! rows that come closer to each other than two cells of the map (2 mm).
 
 use super::pattern::Flat;
-use super::territory::{MOST_OVER, Row, farthest};
 use crate::data::chart::{CELLS, middle};
 use crate::data::scalp::Scalp;
 use crate::define::NodeError;
 use crate::eval::EvalCx;
 use crate::maths::hash::curve_id;
+use crate::scalp::territory::{MOST_OVER, Row, farthest};
 use glam::Vec2;
 use std::collections::BTreeMap;
 

@@ -4,7 +4,6 @@ use crate::define::NodeDef;
 
 mod baby_hair;
 mod edge_partition;
-mod geodesic;
 mod given;
 mod hairline;
 mod lines;
@@ -16,6 +15,5 @@ mod pattern;
 #[cfg(test)]
 mod respected;
 mod stereographic_grid;
-pub(crate) mod territory;
 
 pub(crate) const NODES: &[&NodeDef] = &[&partings::NODE, &edge_partition::NODE, &baby_hair::NODE];

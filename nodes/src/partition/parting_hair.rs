@@ -11,13 +11,13 @@
 //! In the plane of the scalp, a hair is a parabola from root to end, straight or leaving the parting perpendicularly; in
 //! height, it follows the skin and rises to its end in the braid.
 
-use super::territory::{Row, Station, neighbour};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::spline::{Place, Spline};
 use crate::maths::transcendental::{sin_cos, tan};
+use crate::scalp::territory::{Row, Station, neighbour};
 use glam::Vec3;
 
 /// Settings shared by all hairs of a run. Lengths in cm, angles in radians.

@@ -12,7 +12,6 @@ use super::given::Maker;
 use super::lines::{End, Uneven, end, fine, laid, uneven};
 use super::midlines::between;
 use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
-use super::territory::Row;
 use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::chart::{CELLS, Chart, cell_of};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -22,6 +21,7 @@ use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
 use crate::maths::hash::curve_id;
 use crate::maths::spline::Spline;
+use crate::scalp::territory::Row;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 

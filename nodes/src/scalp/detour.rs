@@ -9,9 +9,9 @@
 //! between a point and the top of the head; such a path stays as it is. The points are afterward only above or below
 //! the skin, not on it.
 
-use super::lay::Polyline;
 use crate::data::chart::{CELL, Chart, cell_of};
 use crate::data::scalp::{Scalp, Skin};
+use crate::maths::polyline::Polyline;
 use crate::maths::transcendental::{acos, sin_cos};
 use glam::{Vec2, Vec3};
 

@@ -10,6 +10,7 @@ mod face;
 mod facing;
 mod find;
 mod fit;
+mod geodesic;
 mod head;
 mod hollow;
 #[cfg(test)]
@@ -23,6 +24,7 @@ mod posed_heads;
 pub(crate) mod region;
 mod scalp_projection;
 mod sketch;
+pub(crate) mod territory;
 mod texture_mask;
 
 use crate::define::NodeDef;

@@ -7,7 +7,7 @@ use crate::data::scalp::HeadFrame;
 use crate::define::NodeError;
 use crate::maths::closest::Surface;
 use crate::maths::nearest::Nearest;
-use crate::maths::smoothstep;
+use crate::maths::soft_edge;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 
@@ -64,7 +64,7 @@ pub(crate) fn default_region(
         }
         let p = frame.origin + v;
         ears.find(p, 1, &mut found);
-        let Some((square, _)) = found.first() else { return soft(inside, softness) };
+        let Some((square, _)) = found.first() else { return soft_edge(inside, softness) };
         let far = square.sqrt();
         if far < within {
             // What an ear surrounds, such as its hollow, belongs to it even if it is not thin.
@@ -76,7 +76,7 @@ pub(crate) fn default_region(
                 return 0.0;
             }
         }
-        soft(inside.min(far - BARE * frame.unit()), softness)
+        soft_edge(inside.min(far - BARE * frame.unit()), softness)
     })
 }
 
@@ -140,14 +140,6 @@ fn mask(
         out.push(if x > 0.0 && outer(surface, frame, i, &mut hides) { x } else { 0.0 });
     }
     Ok(out)
-}
-
-/// 0 to 1 across an edge of this width, centred where `inside` (the signed distance, cm) is 0.
-pub(crate) fn soft(inside: f32, width: f32) -> f32 {
-    if width <= 0.0 {
-        return f32::from(inside > 0.0);
-    }
-    smoothstep(inside / width + 0.5)
 }
 
 /// Angle of the rays of [`outer`] from the radial direction.

@@ -5,15 +5,16 @@
 //! normal. Not promised: a path around protrusions. The closest point jumps across a crease, such as the one behind the
 //! ear; smoothing bridges that.
 
-use super::lay::{self, Polyline, bind, laid, scalp_normals};
+use super::lay::{bind, laid, scalp_normals};
+use crate::data::attribute_transfer::between;
 use crate::data::attributes::{Attribute, Domain, SCALP_NORMAL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Sampler;
 use crate::data::scalp::{Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
+use crate::maths::polyline::{self, Polyline};
 use crate::maths::spline::{Place, Spline};
-use crate::strand::carried::between;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -171,7 +172,7 @@ impl Wish<'_> {
             return (old, old_places);
         }
         let length = self.spline.length();
-        let n = ((length / (FINE * self.unit)).ceil() as usize).clamp(16, lay::MOST) + 1;
+        let n = ((length / (FINE * self.unit)).ceil() as usize).clamp(16, polyline::MOST) + 1;
         let places: Vec<Place> =
             (0..n).map(|k| self.spline.locate(k as f32 / (n - 1) as f32)).collect();
         let here: Vec<Vec3> = places.iter().map(|place| self.spline.point(*place)).collect();
@@ -180,7 +181,7 @@ impl Wish<'_> {
         let sigma = inputs.smoothing * self.unit / h;
         let rounds = (2.0 * sigma * sigma).round().clamp(0.0, 256.0) as usize;
         if rounds > 0 {
-            lay::filter(&mut on_scalp, rounds);
+            polyline::filter(&mut on_scalp, rounds);
         }
         let line: Vec<Vec3> = (0..n)
             .map(|k| {

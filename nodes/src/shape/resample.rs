@@ -1,10 +1,10 @@
 //! Resample: the same curves with other CVs.
 
+use crate::data::attribute_transfer::carry;
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::spline::Spline;
-use crate::strand::carried::carry;
 
 node! {
     /// Gives curves another number of CVs, evenly spaced along their length.

@@ -16,8 +16,8 @@ use super::silhouette::Outline;
 use crate::data::gestures::RootFrame;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
+use crate::maths::polyline::Polyline;
 use crate::maths::transcendental::atan2;
-use crate::scalp::lay::Polyline;
 use glam::{Vec2, Vec3};
 
 /// Steepest slope into the picture: depth by length in the picture.

@@ -5,12 +5,12 @@
 //! kinks finer than a hair has points for, which is remarked.
 
 use super::held::Held;
-use super::walk::{smooth, wander};
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::EvalCx;
+use crate::maths::random_walk::{smooth, wander};
 use glam::Vec2;
 use std::sync::Arc;
 

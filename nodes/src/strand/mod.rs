@@ -1,12 +1,10 @@
 //! Strands: modifiers of hair, whatever made it. Each takes curves and gives the same curves, bent or cut.
 //!
-//! What they share: `hair.rs` (a hair as they read it), `held.rs` (roots, lengths, skin and partings after a change), `carried.rs`
-//! (attributes of hair that got other points), `seeds.rs` and `waves.rs` (places and numbers drawn in space), `walk.rs` (random
-//! walks across a hair). A node file reads inputs, calls these and sets its output.
+//! What they share: `hair.rs` (a hair as they read it), `held.rs` (roots, lengths, skin and partings after a change), `seeds.rs` and
+//! `waves.rs` (places and numbers drawn in space). A node file reads inputs, calls these and sets its output.
 
 use crate::define::NodeDef;
 
-pub(crate) mod carried;
 mod clump;
 mod frizz;
 mod hair;
@@ -19,7 +17,6 @@ mod noise;
 mod seeds;
 pub(crate) mod shorten;
 mod stray;
-pub(crate) mod walk;
 mod waves;
 
 pub(crate) const NODES: &[&NodeDef] =

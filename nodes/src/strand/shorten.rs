@@ -1,9 +1,9 @@
 //! Hair cut off or grown on: the points and attributes of curves that become shorter or longer.
 //!
 //! Guarantees: what is kept of a hair lies as it lay; a cut hair ends where it was cut, keeps the distance of its points and has four
-//! at least; a hair that grows on goes on as its tip does, straighter and straighter; attributes as in `carried.rs`.
+//! at least; a hair that grows on goes on as its tip does, straighter and straighter; attributes as in `data/attribute_transfer.rs`.
 
-use super::carried::carry_shares;
+use crate::data::attribute_transfer::carry_shares;
 use crate::data::curves::{Tuft, TuftBuilder};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, sin_cos};

@@ -3,7 +3,7 @@
 //! Guarantees: every path that begins with `crate`, `super` or `self` counts, in `use` and elsewhere, with its file and line; comments,
 //! texts and what is compiled for tests alone do not. Not seen: what macros make up.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A path from one module to another.
@@ -36,41 +36,6 @@ pub(crate) fn code(sources: &[(PathBuf, String)]) -> Vec<(PathBuf, String)> {
     };
     let code = bare.iter().filter(|(file, _)| is_code(file));
     code.map(|(file, text)| ((*file).clone(), without_tests(text))).collect()
-}
-
-/// The modules that lie in circles, by first-level module, with what of the circle each imports.
-pub(crate) fn circles(all: &[Import]) -> BTreeMap<&str, BTreeSet<&str>> {
-    let mut leads: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for import in all {
-        if let (Some(from), Some(to)) = (import.from.first(), import.to.first())
-            && from != to
-        {
-            leads.entry(from).or_default().insert(to);
-        }
-    }
-    let reach: BTreeMap<&str, BTreeSet<&str>> =
-        leads.keys().map(|from| (*from, reached(from, &leads))).collect();
-    let back = |from: &str, to: &str| reach.get(to).is_some_and(|seen| seen.contains(from));
-    let mut found = BTreeMap::new();
-    for (from, tos) in &leads {
-        let round: BTreeSet<&str> = tos.iter().copied().filter(|to| back(from, to)).collect();
-        if !round.is_empty() {
-            found.insert(*from, round);
-        }
-    }
-    found
-}
-
-/// The modules that one leads to, at last.
-fn reached<'a>(from: &str, leads: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> BTreeSet<&'a str> {
-    let of = |module: &str| leads.get(module).into_iter().flatten().copied();
-    let (mut seen, mut next) = (BTreeSet::new(), of(from).collect::<Vec<_>>());
-    while let Some(at) = next.pop() {
-        if seen.insert(at) {
-            next.extend(of(at));
-        }
-    }
-    seen
 }
 
 /// The module that a file is.

@@ -1,10 +1,10 @@
 //! The page of documents and their schema say what the reader reads: every field, every kind, every value.
 
 use super::schema;
-use coif_graphs::document::values::DEEPEST_FIELD;
-use coif_graphs::file::write_value;
 use coif_graphs::file::{self, read};
 use coif_graphs::grooms;
+use coif_graphs::text::write_value;
+use coif_graphs::values::DEEPEST_FIELD;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::Ramp;
 use coif_nodes::data::shapes::{Section, ShapeList, Tier};

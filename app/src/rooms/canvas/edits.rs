@@ -3,8 +3,9 @@
 use super::wires::{Wire, last_first};
 use crate::core::faces::arrange::{self, point};
 use crate::core::faces::{Faces, Plug};
+use coif_graphs::clipboard;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, Frame, NodeId, Point, Setting, Socket, graph, part, wiring};
+use coif_graphs::document::{Document, Frame, NodeId, Point, Setting, Socket, graph, wiring};
 use coif_nodes::define::{Arity, NodeDef, Type, Value};
 use egui::{Pos2, Rect, Vec2, vec2};
 use std::collections::BTreeSet;
@@ -287,7 +288,7 @@ pub(super) fn placed_copy(document: &Document, faces: &Faces, nodes: &BTreeSet<N
             placed.layout.insert(id.clone(), point(*at));
         }
     }
-    part::copy(&placed, nodes)
+    clipboard::copy(&placed, nodes)
 }
 
 /// Adds the nodes of a text, their upper left at a place; gives them.
@@ -300,7 +301,7 @@ pub(super) fn paste(
     at: Pos2,
     group: Option<&NodeId>,
 ) -> Result<(Edit, Vec<NodeId>), String> {
-    part::paste(document, text, Some(point(at)), group)
+    clipboard::paste(document, text, Some(point(at)), group)
 }
 
 /// Room between a frame's edge and the nodes in it, and for its title.

@@ -6,7 +6,7 @@ use super::slider::{Done, NumberField};
 use super::target::How;
 use crate::widgets::panel;
 use crate::widgets::text::{icon_button, set_name, text_field};
-use coif_graphs::document::values::DEEPEST_FIELD;
+use coif_graphs::values::DEEPEST_FIELD;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::maths::smoothstep;

@@ -29,7 +29,7 @@ use crate::widgets::theme;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph::{self, Problem, Severity};
 use coif_graphs::document::{Node, NodeId, Setting};
-use coif_graphs::file::write_value;
+use coif_graphs::text::write_value;
 use coif_nodes::data::attributes::{Column, DECLARED};
 use coif_nodes::declared;
 use coif_nodes::define::{Group, InputDef, NodeDef, NodeError, Type};

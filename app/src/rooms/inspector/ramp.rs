@@ -11,7 +11,7 @@ use super::target::How;
 use crate::widgets::keyboard::keep_arrows;
 use crate::widgets::text::{icon_button, set_name};
 use crate::widgets::{panel, theme};
-use coif_graphs::file::{parse_value, write_value};
+use coif_graphs::text::{parse_value, write_value};
 use coif_nodes::data::ramp::{Blend, Ramp};
 use coif_nodes::define::{Type, Value};
 use egui::{

@@ -10,7 +10,7 @@ use crate::widgets::text::{set_name, spoken};
 use crate::widgets::theme;
 use coif_graphs::document::Socket;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::file::write_value;
+use coif_graphs::text::write_value;
 use coif_nodes::define::{Arity, InputDef, Type, Value};
 use egui::{Align2, Color32, CursorIcon, Response, Sense, Stroke, TextStyle, Ui, Vec2, vec2};
 

@@ -7,8 +7,8 @@
 use crate::core::event::Event;
 use crate::core::state::State;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::values::fit;
 use coif_graphs::document::{NodeId, Setting, Socket};
+use coif_graphs::values::fit;
 use coif_nodes::define::{InputDef, Value};
 use std::collections::BTreeMap;
 

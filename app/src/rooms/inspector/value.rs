@@ -464,7 +464,7 @@ fn counted(gestures: &Gestures) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use coif_graphs::file::read_value;
+    use coif_graphs::text::read_value;
     use coif_nodes::data::ramp::Ramp;
     use coif_nodes::define::Type;
 

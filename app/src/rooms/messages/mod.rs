@@ -464,7 +464,7 @@ mod tests {
         ui.state_mut().apply(Event::Documents(documents::Event::Save));
         ui.run_steps(2);
         let text = std::fs::read_to_string(&path).unwrap();
-        assert!(!text.contains(coif_graphs::compare::CONFLICT), "{text}");
+        assert!(!text.contains(coif_graphs::file::CONFLICT), "{text}");
         let saved = coif_graphs::file::read(&text).unwrap();
         assert_eq!((saved.document, saved.conflicts), (with(4, 12), vec![]));
         ui.state_mut().apply(Event::Undo);

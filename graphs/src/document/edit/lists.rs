@@ -1,7 +1,8 @@
 //! One stroke or gesture of an input added, removed or changed: the list keeps its other items.
 
 use super::{Edit, EditError, node_mut, slot};
-use crate::document::{Document, NodeId, Setting, Socket, values};
+use crate::document::{Document, NodeId, Setting, Socket};
+use crate::values;
 use coif_nodes::data::gestures::{Gesture, Gestures};
 use coif_nodes::data::strokes::{Stroke, Strokes};
 use coif_nodes::define::{Type, Value};

@@ -2,7 +2,10 @@
 
 use super::super::testing::Random;
 use super::*;
+use crate::values::grid::{gestures_on_grid, point_of, point_steps};
 use coif_nodes::data::gestures::{Layer, Tool, View};
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 fn comb(samples: Vec<PenSample>) -> Gesture {
     let view = View {
@@ -49,7 +52,7 @@ fn a_finished_gesture_is_within_half_a_pixel_of_every_sample_and_much_shorter() 
         }
         assert_eq!(gesture.fault(), None);
         let list = Arc::new(Gestures(vec![gesture]));
-        assert!(Arc::ptr_eq(&list, &on_the_grid(list.clone())), "off the grid");
+        assert!(Arc::ptr_eq(&list, &gestures_on_grid(list.clone())), "off the grid");
     }
     assert!(worst <= TOLERANCE, "{worst}");
     assert!(kept * 2 < given, "{kept} of {given}");
@@ -110,7 +113,7 @@ fn time_runs_on_and_what_is_no_number_is_left_out() {
 #[test]
 fn what_is_too_far_off_is_left_to_be_refused() {
     let far = Gestures(vec![Gesture { id: 1, ..comb(vec![at(2e5, 0.1)]) }]);
-    let kept = on_the_grid(Arc::new(far.clone()));
+    let kept = gestures_on_grid(Arc::new(far.clone()));
     assert_eq!(*kept, far);
     assert!(kept.fault().is_some());
 }

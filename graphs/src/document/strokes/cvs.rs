@@ -8,7 +8,8 @@
 //! Guarantees: root and tip stay where they are unless they are picked themselves; an edit by nothing
 //! gives the same stroke, with nothing kept in it.
 
-use super::{Steps, free_id};
+use super::free_id;
+use crate::values::grid::Steps;
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use glam::Vec3;
 use std::collections::BTreeSet;

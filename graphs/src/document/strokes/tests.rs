@@ -3,6 +3,9 @@
 use super::super::testing::Random;
 use super::whole::End;
 use super::*;
+use crate::values::grid::strokes_on_grid;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 fn distance(p: Vec3, path: &[Sample]) -> f32 {
     let to = |a: Vec3, b: Vec3| {
@@ -75,13 +78,13 @@ fn the_grid_holds_what_is_on_it() {
 #[test]
 fn strokes_on_the_grid_are_shared_and_others_brought_there() {
     let strokes = Arc::new(Random::new(4).strokes());
-    assert!(Arc::ptr_eq(&strokes, &on_the_grid(strokes.clone())));
+    assert!(Arc::ptr_eq(&strokes, &strokes_on_grid(strokes.clone())));
     let mut off = (*strokes).clone();
     let drawn = Random::new(4).pen(5);
     off.0.push(Stroke { drawn, ..Stroke::new(1, vec![Sample::default()]) });
-    let on = on_the_grid(Arc::new(off));
+    let on = strokes_on_grid(Arc::new(off));
     assert_ne!(on.0.last().map(|stroke| &stroke.drawn), Some(&Random::new(4).pen(5)));
-    assert!(Arc::ptr_eq(&on, &on_the_grid(on.clone())));
+    assert!(Arc::ptr_eq(&on, &strokes_on_grid(on.clone())));
 }
 
 #[test]
@@ -135,7 +138,7 @@ fn strokes() -> Vec<Stroke> {
 fn lawful(before: &Stroke, after: &Stroke) {
     let list = Arc::new(Strokes(vec![after.clone()]));
     assert_eq!(list.fault(), None);
-    assert!(Arc::ptr_eq(&list, &on_the_grid(list.clone())), "off the grid");
+    assert!(Arc::ptr_eq(&list, &strokes_on_grid(list.clone())), "off the grid");
     assert_eq!(after.id, before.id);
     if after.samples != before.samples {
         assert_eq!(after.drawn, cvs::as_drawn(before), "what was drawn is lost");
@@ -307,7 +310,7 @@ fn two_parts_are_the_whole_and_joined_it_again() {
             };
             for piece in [&root, &tip] {
                 let list = Arc::new(Strokes(vec![piece.clone()]));
-                assert!(Arc::ptr_eq(&list, &on_the_grid(list.clone())));
+                assert!(Arc::ptr_eq(&list, &strokes_on_grid(list.clone())));
                 assert_eq!(piece.drawn.is_empty(), stroke.drawn.is_empty());
             }
             assert_eq!(root.id, stroke.id);

@@ -5,7 +5,8 @@
 //! on the grid.
 
 use super::cvs::{as_drawn, at, edited, length, nearest, ways};
-use super::{SHARE, Steps, free_id, simplify};
+use super::{SHARE, free_id, simplify};
+use crate::values::grid::Steps;
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use glam::Vec3;
 

@@ -5,9 +5,11 @@
 //! entry of [`STEPS`], and a sample of the old format in `samples/` that a test reads. Old *values*
 //! need no step: inputs have old names and nodes have versions.
 
-use super::scan::{scan, trimmed};
-use super::values::quoted;
+use super::scan::scan;
 use crate::document::Place;
+use crate::text::in_words;
+use crate::text::tokens::trimmed;
+use crate::text::values::quoted;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::fmt;
@@ -57,8 +59,7 @@ impl Raw {
             }
         }
         let options = ron::Options::default().with_recursion_limit(64);
-        let AnyEntries(entries) =
-            options.from_str(text).map_err(|err| super::read::in_words(&err.code))?;
+        let AnyEntries(entries) = options.from_str(text).map_err(|err| in_words(&err.code))?;
         Ok(Self { is_map: trimmed(text).starts_with('{'), entries })
     }
 

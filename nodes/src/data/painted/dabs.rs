@@ -4,7 +4,7 @@
 //! promised: that every listed segment reaches it.
 
 use super::Dab;
-use crate::define::NodeError;
+use crate::error::NodeError;
 use glam::Vec3;
 
 /// The segment between two samples of a stroke.

@@ -7,7 +7,7 @@
 
 use super::Painted;
 use crate::data::scalp::Root;
-use crate::define::NodeError;
+use crate::error::NodeError;
 use crate::maths::frame::any_normal;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;

@@ -76,7 +76,7 @@ fn text(rest: &mut &str) -> Json {
     }
     let (text, after) = rest.split_at(end + 1);
     *rest = after;
-    match coif_graphs::file::read_value(Type::Text, text) {
+    match coif_graphs::text::read_value(Type::Text, text) {
         Ok(Value::Text(text)) => json!(&*text),
         other => panic!("{other:?}"),
     }

@@ -22,8 +22,9 @@ use crate::core::projection::Projection;
 use crate::core::settings::Evaluate;
 use crate::core::state::{Select, State};
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::gestures::{finish, on_the_grid};
+use coif_graphs::document::gestures::finish;
 use coif_graphs::document::{NodeId, Socket};
+use coif_graphs::values::grid::gestures_on_grid;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
 use coif_nodes::data::scalp::HeadFrame;
@@ -423,7 +424,7 @@ impl Hair {
             }
             return;
         }
-        let known = on_the_grid(Gestures(vec![known]).into());
+        let known = gestures_on_grid(Gestures(vec![known]).into());
         let Some(gesture) = known.0.first() else { return };
         if *gesture != told {
             let (node, input) = (node.clone(), input.clone());

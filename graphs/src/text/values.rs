@@ -1,9 +1,9 @@
 //! Values as text, read by the type that the node's declaration names.
 
 use super::order::{ITEMS, after, by_lot, in_order};
-use super::scan::items;
-use super::{gestures, strokes};
-use crate::document::values::{DEEPEST_FIELD, fit, wrong_item};
+use super::tokens::{items, offset, trimmed};
+use super::{gestures, in_words, place_of, strokes};
+use crate::values::{DEEPEST_FIELD, fit, wrong_item};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::Gestures;
 use coif_nodes::data::ramp::{Blend, Ramp};
@@ -36,10 +36,10 @@ pub fn read_value(ty: Type, text: &str) -> Result<Value, String> {
 }
 
 /// What is wrong with the text of a value.
-pub(super) struct Wrong {
+pub(crate) struct Wrong {
     /// Where it is in the text, in bytes.
-    pub(super) at: usize,
-    pub(super) reason: String,
+    pub(crate) at: usize,
+    pub(crate) reason: String,
 }
 
 /// What is wrong with a value is wrong where it begins, unless somebody knows better.
@@ -50,7 +50,7 @@ impl From<String> for Wrong {
 }
 
 /// The same, with an error that also says where in the text it is.
-pub(super) fn placed_value(ty: Type, text: &str) -> Result<Value, Wrong> {
+pub(crate) fn placed_value(ty: Type, text: &str) -> Result<Value, Wrong> {
     let mut order = vec![];
     let value = value_of(ty, text, &mut order).map_err(|Wrong { at, reason }| {
         let (text, name) = (short(text), ty.name());
@@ -149,7 +149,7 @@ fn options() -> ron::Options {
 }
 
 fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, String> {
-    options().from_str(text).map_err(|err| super::read::in_words(&err.code))
+    options().from_str(text).map_err(|err| in_words(&err.code))
 }
 
 /// Reads a list of what is long; what is wrong is found where it stands.
@@ -159,8 +159,8 @@ fn list<'a, F: Deserialize<'a>, T>(
     mut read: impl FnMut(usize, F) -> Result<T, String>,
 ) -> Result<Vec<T>, Wrong> {
     let files: Vec<F> = options().from_str(text).map_err(|err| {
-        let at = super::scan::offset(text, super::read::place_of(&err));
-        let reason = super::read::in_words(&err.code);
+        let at = offset(text, place_of(&err));
+        let reason = in_words(&err.code);
         match items(text).partition_point(|start| *start <= at) {
             0 => Wrong { at, reason },
             n => Wrong { at, reason: format!("{item} {}: {reason}", n - 1) },
@@ -180,7 +180,7 @@ fn number(text: &str) -> Result<f32, String> {
 
 /// Whether RON text can be nothing but a number.
 fn is_number(text: &str) -> bool {
-    let text = super::scan::trimmed(text);
+    let text = trimmed(text);
     text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
         || matches!(text, "NaN" | "inf")
 }
@@ -293,7 +293,7 @@ pub fn write_value(value: &Value) -> String {
 }
 
 /// Writes a value; shapes, strokes and gestures take a line each, led by `indent`, where there is one.
-pub(super) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
+pub(crate) fn write_to(out: &mut String, value: &Value, indent: Option<usize>) {
     // Writing to a String cannot fail.
     let _ = match value {
         Value::Bool(on) => write!(out, "{on}"),
@@ -408,7 +408,7 @@ fn write_drawn<T>(
     out.push(']');
 }
 
-pub(super) fn new_line(out: &mut String, indent: usize) {
+pub(crate) fn new_line(out: &mut String, indent: usize) {
     out.push('\n');
     out.extend(std::iter::repeat_n(' ', indent));
 }
@@ -465,7 +465,7 @@ fn write_section(out: &mut String, section: &Section) {
 }
 
 /// A text in quotes. Line breaks and control characters are escaped: a text is one line of a file.
-pub(super) fn quoted(out: &mut String, text: &str) {
+pub(crate) fn quoted(out: &mut String, text: &str) {
     out.push('"');
     for c in text.chars() {
         match c {

@@ -10,12 +10,12 @@ use coif_nodes::maths::hash::KeyBuilder;
 use std::collections::BTreeMap;
 
 /// Paragraphs of a list of nodes: 31 blank lines part them.
-pub(super) const NODES: usize = 32;
+pub(crate) const NODES: usize = 32;
 /// Paragraphs of a list of strokes or gestures.
 pub(super) const ITEMS: usize = 16;
 
 /// Paragraphs of a list of frames or views.
-pub(super) const FRAMES: usize = 8;
+pub(crate) const FRAMES: usize = 8;
 
 /// Where a name stands among others.
 pub(crate) fn lot(name: &str) -> u32 {
@@ -23,7 +23,7 @@ pub(crate) fn lot(name: &str) -> u32 {
 }
 
 /// Things by lot, each with the number of blank lines before it, and the number of them behind all.
-pub(super) fn by_lot<T>(
+pub(crate) fn by_lot<T>(
     things: impl Iterator<Item = T>,
     name: impl Fn(&T) -> String,
     paragraphs: usize,
@@ -44,7 +44,7 @@ pub(super) fn by_lot<T>(
 /// the file. What says nothing comes in the file's order, each with all that comes behind it; then what
 /// names something that is not there, as after a merge with a branch that removed it; last what only
 /// names its like in a circle.
-pub(super) fn in_order<K: Ord + Copy>(said: &[(K, Option<K>)]) -> Vec<usize> {
+pub(crate) fn in_order<K: Ord + Copy>(said: &[(K, Option<K>)]) -> Vec<usize> {
     let mut number = BTreeMap::new();
     for (n, (name, _)) in said.iter().enumerate() {
         number.entry(*name).or_insert(n);
@@ -77,7 +77,7 @@ pub(super) fn in_order<K: Ord + Copy>(said: &[(K, Option<K>)]) -> Vec<usize> {
 /// file. [`in_order`] takes it back. As few as can be say anything, and one that comes between two others
 /// mostly changes neither: what stands later in the file than all since some thing comes after nothing but
 /// what that thing itself does.
-pub(super) fn after<R: Ord>(ranks: &[R]) -> Vec<Option<usize>> {
+pub(crate) fn after<R: Ord>(ranks: &[R]) -> Vec<Option<usize>> {
     let mut open: Vec<usize> = vec![];
     let said = |n: usize| {
         while open.last().is_some_and(|last| ranks[*last] < ranks[n]) {

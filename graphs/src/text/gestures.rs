@@ -3,9 +3,9 @@
 //! left out.
 
 use super::columns::{Columns, numbers};
-use super::read::there;
-use crate::document::gestures::{point_of, point_steps, sample_of, sample_steps};
-use crate::document::values::no_such_word;
+use super::there;
+use crate::values::grid::{point_of, point_steps, sample_of, sample_steps};
+use crate::values::no_such_word;
 use coif_nodes::data::gestures::{Gesture, Layer, Tool, View};
 use glam::Vec3;
 use serde::Deserialize;

@@ -2,7 +2,7 @@
 
 /// The word of `known` that needs the fewest single-letter changes (insert, delete, replace, swap
 /// of neighbours), when that is few enough to be a slip: one, or a third of the word's letters.
-pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let few = (word.chars().count() / 3).max(1);
     known
         .map(|candidate| (distance(word, candidate, few), candidate))

@@ -244,8 +244,8 @@ mod tests {
     use crate::maths::closest::Surface;
     use crate::maths::hash::Dice;
     use crate::maths::transcendental::{acos, sin_cos};
-    use crate::partition::territory::Row;
     use crate::scalp::region::{default_region, ears};
+    use crate::scalp::territory::Row;
 
     /// A line down a half circle of the ball, `turn` radians to the right.
     fn meridian(turn: f32) -> Vec<Vec3> {

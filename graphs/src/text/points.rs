@@ -1,7 +1,7 @@
 //! Samples of strokes as people type them: each on its line, where it lies, in whole cm of head units and
 //! parts of them. Read and written with at most three decimals, which is finer than the grid.
 
-use crate::document::strokes::Steps;
+use crate::values::grid::Steps;
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use std::fmt;
 

@@ -4,10 +4,10 @@
 
 use super::columns::Columns;
 use super::points::{self, Point};
-use super::read::there;
+use super::there;
 use super::values::{new_line, quoted};
-use crate::document::strokes::Steps;
-use crate::document::values::no_such_word;
+use crate::values::grid::Steps;
+use crate::values::no_such_word;
 use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke};
 use serde::Deserialize;
 use std::fmt::Write as _;

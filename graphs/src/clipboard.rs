@@ -8,9 +8,9 @@
 //! the document has already gets a number. A wire that came in from elsewhere is wired again
 //! where the document has that output. Not kept: comments, views, and what the nodes fed.
 
-use super::edit::Edit;
-use super::wiring::output_type;
-use super::{Document, Frame, Node, NodeId, Point, Socket, groups};
+use crate::document::edit::Edit;
+use crate::document::wiring::output_type;
+use crate::document::{Document, Frame, Node, NodeId, Point, Socket, groups};
 use crate::file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -244,8 +244,8 @@ fn fresh_ids(
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Random;
     use super::*;
+    use crate::document::testing::Random;
     use expect_test::expect;
 
     fn ids(text: &str) -> BTreeSet<NodeId> {

@@ -1,4 +1,4 @@
-//! Values as documents hold them: one form for each thing that can be said.
+//! Values as documents hold them: whether an input may have one, and one form for each thing that can be said.
 //!
 //! What passes [`fit`] is written to a file and read back as the same value.
 
@@ -8,6 +8,9 @@ use coif_nodes::data::ramp::Ramp;
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Type, Value, short};
 use std::sync::Arc;
+
+pub mod grid;
+pub(crate) mod suggest;
 
 /// The deepest product of products of fields. Deeper is a mistake or an attack: readers recurse.
 pub const DEEPEST_FIELD: usize = 16;
@@ -50,11 +53,9 @@ pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
             }
             Value::Text(word)
         }
-        (Type::Strokes, Value::Strokes(strokes)) => {
-            Value::Strokes(super::strokes::on_the_grid(strokes))
-        }
+        (Type::Strokes, Value::Strokes(strokes)) => Value::Strokes(grid::strokes_on_grid(strokes)),
         (Type::Gestures, Value::Gestures(gestures)) => {
-            Value::Gestures(super::gestures::on_the_grid(gestures))
+            Value::Gestures(grid::gestures_on_grid(gestures))
         }
         (Type::Curves | Type::Scalp, _) => {
             return Err(format!("{} come by wire: connect a node", ty.name()));
@@ -77,7 +78,7 @@ pub fn fit(ty: Type, value: Value) -> Result<Value, String> {
 pub(crate) fn no_such_word(word: &str, known: &[&str]) -> String {
     // A long one is no slip of the pen.
     let slip = Some(word).filter(|word| word.len() <= 64);
-    let meant = slip.and_then(|word| super::suggest::nearest(word, known.iter().copied()));
+    let meant = slip.and_then(|word| suggest::nearest(word, known.iter().copied()));
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
     format!("{:?} is none of {}{meant}", short(word), known.join(", "))
 }
@@ -119,8 +120,8 @@ fn depth(field: &Field) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Random;
     use super::*;
+    use crate::document::testing::Random;
     use coif_nodes::data::strokes::{Sample, Stroke};
     use glam::Vec3;
 
@@ -154,7 +155,7 @@ mod tests {
         let gestures = Gestures(vec![gesture]);
         for (ty, value) in [(Type::Strokes, strokes), (Type::Gestures, gestures.into())] {
             let held = fit(ty, value).unwrap();
-            let back = crate::file::read_value(ty, &crate::file::write_value(&held)).unwrap();
+            let back = crate::text::read_value(ty, &crate::text::write_value(&held)).unwrap();
             assert_eq!(back.key(), held.key());
         }
     }
