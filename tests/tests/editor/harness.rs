@@ -8,7 +8,10 @@ use coif_graphs::{file, grooms};
 use egui_kittest::Harness;
 use std::time::{Duration, Instant};
 
-/// The editor in a window of 1440 x 900 points that nobody sees.
+/// Of the window, points.
+pub(crate) const SIZE: egui::Vec2 = egui::vec2(1440.0, 900.0);
+
+/// The editor in a window that nobody sees.
 pub(crate) type Ui = Harness<'static, Editor>;
 
 /// An editor on a shipped groom.
@@ -23,7 +26,7 @@ pub(crate) fn on(document: Document) -> Ui {
     let ctx = egui::Context::default();
     let editor = Editor::new(&ctx, document, OpenFile::default());
     Harness::builder()
-        .with_size(egui::vec2(1440.0, 900.0))
+        .with_size(SIZE)
         .with_max_steps(64)
         .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor)
 }

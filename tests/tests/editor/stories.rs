@@ -1,6 +1,6 @@
 //! Stories of the whole window: every entry of every menu, and a slider that is dragged.
 
-use super::harness::{Ui, is_sound, on, on_groom, settle};
+use super::harness::{SIZE, Ui, is_sound, on, on_groom, settle};
 use coif::core::event::Event;
 use coif::core::state::Select;
 use coif::editor::actions::{self, MENUS};
@@ -42,21 +42,19 @@ fn click(ui: &mut Ui, name: &str) -> bool {
     let named = |label: &str| {
         label == name || label.strip_prefix(name).is_some_and(|keys| keys.starts_with(' '))
     };
-    // A menu that is taller than the window scrolls.
-    let place = |ui: &Ui, scrolls: bool| {
+    let place = |ui: &Ui| {
         let mut all = ui.query_all(By::new());
-        let found =
-            all.find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)));
-        if let Some(node) = found.as_ref().filter(|_| scrolls) {
-            node.scroll_to_me();
-        }
-        found.map(|node| node.rect().center())
+        all.find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)))
+            .map(|node| (node.rect(), node))
     };
-    if place(ui, true).is_none() {
-        return false;
+    let Some((rect, node)) = place(ui) else { return false };
+    // A menu that is taller than the window scrolls.
+    if rect.bottom() > SIZE.y - 2.0 * rect.height() {
+        node.scroll_to_me();
+        ui.run_steps(6);
     }
-    ui.run_steps(6);
-    let Some(at) = place(ui, false) else { return false };
+    let Some((rect, _)) = place(ui) else { return false };
+    let at = rect.center();
     for pressed in [true, false] {
         ui.event(Input::PointerMoved(at));
         ui.step();
