@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// What became of three documents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merged {
-    /// The document; with a comment that begins with [`CONFLICT`](super::CONFLICT) for each conflict.
+    /// The document; with a comment that begins with [`CONFLICT`](crate::file::CONFLICT) for each conflict.
     pub document: Document,
     /// What both changed, each otherwise.
     pub conflicts: Vec<Conflict>,
