@@ -9,7 +9,7 @@ use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
 use crate::eval::{Log, Quality, Room};
 use crate::maths::hash::Dice;
-use crate::testing::{Memory, Threads, curves_of, head, run, run_on, shared_head};
+use crate::testing::{Memory, Threads, curves_of, head, run, run_on, shared_head, with_points};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -226,9 +226,7 @@ fn more_hair_changes_none_that_was_there() {
 fn threads_change_nothing_and_an_edit_makes_one_tuft_again() {
     let hair = wild(20, 10, 6);
     let mut tufts = hair.tufts().to_vec();
-    let mut edit = tufts[7].edit();
-    edit.points_mut()[1].x += 0.5;
-    tufts[7] = edit.build().into();
+    tufts[7] = with_points(&tufts[7], |points| points[1].x += 0.5).into();
     let combed = Curves::new(tufts);
     for (id, _, much) in modifiers() {
         let node = crate::by_id(id).unwrap();
