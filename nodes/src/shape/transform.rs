@@ -8,7 +8,7 @@ use crate::data::attributes::{
     ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, TIE, TIE_RADIUS, WIDTH,
 };
 use crate::data::curves::{Curves, TuftBuilder};
-use crate::data::route::carried;
+use crate::data::route::{Left, carried};
 use crate::data::scalp::{HeadFrame, Scalp};
 use crate::define::{NodeError, choice, node};
 use crate::eval::EvalCx;
@@ -114,6 +114,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
         piece.tick()?;
         let place = |p: Vec3| matrix * (p - pivot) + pivot + shift;
+        let is_far = |p: &Vec3| p.is_finite() && !place(*p).is_finite();
+        if !grown.is_finite() || tuft.points().iter().any(is_far) {
+            (0..tuft.len()).for_each(|i| piece.trouble(tuft.id(i), Left::Far));
+            return Ok([tuft.clone()]);
+        }
         let mut out = carried(tuft, place);
         for declared in [NORMAL, SCALP_NORMAL] {
             each_value(&mut out, tuft, declared.name, |v: Vec3| {

@@ -6,7 +6,7 @@
 //!
 //! Guarantees: roots, ids, attributes and the number of points stay; a hair that nothing moves keeps its bits, and a tuft of such
 //! hairs is the tuft that came in; where lengths are kept, every piece from point to point is as long as it was, but where the skin
-//! pushes; on a scalp no moved point ends deeper in the skin than the hair's `allow_depth`; as far as a hair keeps to its section it
+//! pushes; on a scalp that is not rough no moved point ends deeper in the skin than the hair's `allow_depth`; as far as a hair keeps to its section it
 //! still does, and no hair leads over a parting that did not (rather it stays as it was, which is told). What a way out may take is
 //! bounded, and grows with the hair, so that more of it changes none before it. Not promised: anything for curves that are no curves;
 //! they pass through.
@@ -22,8 +22,6 @@ use glam::Vec3;
 use section_guard::Home;
 
 pub(crate) mod hair;
-#[cfg(test)]
-mod laws;
 pub(crate) mod makers;
 mod push;
 pub(crate) mod section_guard;
@@ -34,12 +32,18 @@ pub(crate) mod skin_clear;
 const LOOKS: u64 = 1000;
 const LOOKS_A_POINT: f32 = 0.25;
 
+/// So deep (cm) a point may lie for what is rounded.
+const ROUNDED: f32 = 1e-3;
+
 /// Why a hair was left as it was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Left {
     /// It keeps to its section no other way.
     #[error("a hair that would be led over a parting was left as it was")]
     Over,
+    /// There is no way out of the skin that is short enough to be found.
+    #[error("a hair that would be led into the skin, with no way out, was left as it was")]
+    In,
     /// Its points were wished where no number tells.
     #[error("a hair that would be moved beyond all numbers was left as it was")]
     Far,
@@ -134,7 +138,7 @@ impl<'a> Route<'a> {
                 return Err(Left::Over);
             }
         }
-        if new.iter().all(|p| p.is_finite()) { Ok(()) } else { Err(Left::Far) }
+        is_out(&skin, old, new, &depth)
     }
 
     /// Sets what a hair has grown on beyond its old points where it may be.
@@ -151,7 +155,10 @@ impl<'a> Route<'a> {
         skin.clear(new, |k| (k >= old.len()).then(|| depth(k)));
         let passes = |home: Home| home.passes(new) && !home.passes(old);
         let home = scalp.home(old[0]).filter(|_| self.policy.own_section);
-        if home.is_some_and(passes) { Err(Left::Over) } else { Ok(()) }
+        if home.is_some_and(passes) {
+            return Err(Left::Over);
+        }
+        is_out(&skin, old, new, &depth)
     }
 
     /// A new point of a hair that lies as it lay: between two others it may dip deeper into the skin than `depth` (cm).
@@ -206,6 +213,24 @@ pub(crate) fn carried(tuft: &Tuft, place: impl Fn(Vec3) -> Vec3) -> TuftBuilder 
     let mut out = tuft.edit();
     out.points_mut().iter_mut().for_each(|p| *p = place(*p));
     out
+}
+
+/// Fails where a point that was moved lies deeper in the skin than it may, or nowhere: in a crease, past all patience, what is put out of
+/// one side ends in the other. A rough mesh is not asked: there it may have no inside.
+fn is_out(
+    skin: &Skin,
+    old: &[Vec3],
+    new: &[Vec3],
+    depth: impl Fn(usize) -> f32,
+) -> Result<(), Left> {
+    if !new.iter().all(|p| p.is_finite()) {
+        return Err(Left::Far);
+    }
+    let is_in = |k: usize| skin.distance(new[k]) < -depth(k).max(0.0) - ROUNDED;
+    match !skin.is_rough() && (1..new.len()).any(|k| old.get(k) != Some(&new[k]) && is_in(k)) {
+        true => Err(Left::In),
+        false => Ok(()),
+    }
 }
 
 /// Keeps a hair in its section so far along it as it was there before.
