@@ -14,13 +14,16 @@
 //! Pieces that ask a parted scalp about places only may run by place ([`EvalCx::by_place`]): where a parting moves, those run
 //! again that read what is there.
 
-use crate::data::curves::{Curves, Tuft};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::gestures::Replayed;
 use crate::data::read_set::{Footprint, traced};
+use crate::data::route::Route;
+use crate::data::route::hair::Hair;
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::error::NodeError;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
+use glam::Vec3;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -211,6 +214,33 @@ impl Piece<'_> {
         if curves.len() < MOST_NAMED {
             curves.push(curve);
         }
+    }
+}
+
+impl Piece<'_> {
+    /// The tuft with hairs where they may be of what `bend` wishes: given a hair and its number, it moves the points, all of them there
+    /// as they are. Hair that may be nowhere near is left as it was, which is told.
+    pub(crate) fn bend(
+        &mut self,
+        route: &Route,
+        tuft: &Tuft,
+        mut bend: impl FnMut(&Hair, usize, &mut [Vec3]),
+    ) -> Result<Tuft, NodeError> {
+        let (mut hair, mut new) = (Hair::default(), vec![]);
+        let mut moved = route.moved(tuft);
+        for i in 0..tuft.len() {
+            self.tick()?;
+            if !hair.read(tuft.curve(i)) {
+                continue;
+            }
+            new.clear();
+            new.extend_from_slice(tuft.curve(i));
+            bend(&hair, i, &mut new);
+            if let Err(why) = moved.hair(i, &mut new) {
+                self.trouble(tuft.id(i), why);
+            }
+        }
+        Ok(moved.done().map_or_else(|| tuft.clone(), TuftBuilder::build))
     }
 }
 

@@ -20,6 +20,8 @@ mod guides;
 mod hostile;
 pub mod laws;
 pub mod maths;
+#[cfg(test)]
+mod obeys;
 mod output;
 mod partition;
 mod puff;

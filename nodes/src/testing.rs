@@ -1,6 +1,6 @@
 //! How tests of single nodes call them: the only place that knows.
 
-use crate::data::curves::Curves;
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::outline::for_middles;
 use crate::data::scalp::Scalp;
 use crate::data::strokes::{Sample, Stroke};
@@ -112,6 +112,16 @@ pub(crate) fn run_on(
     }
     let cx = EvalCx::new(0, quality, key.finish(), host, log);
     (node.run)(&cx, &values)
+}
+
+/// A tuft whose points are as `change` leaves them: other hair, as other programs hand it in.
+pub(crate) fn with_points(tuft: &Tuft, change: impl FnOnce(&mut [Vec3])) -> Tuft {
+    let mut points = tuft.points().to_vec();
+    change(&mut points);
+    let mut b = TuftBuilder::new();
+    (0..tuft.len()).for_each(|i| b.push_curve(&points[tuft.range(i)]));
+    tuft.attributes().iter().for_each(|attribute| b.set_column(attribute.clone()));
+    b.build()
 }
 
 /// A file of the shared data with those beside it that it names; none when it is not on this machine.

@@ -4,7 +4,7 @@
 //! the first whole sample and to 32; then the mean wall time of each pass, which is measured by the renderer around its slices.
 //! Run it alone: `cargo bench -p coif-tests --bench passes`.
 
-use coif_nodes::data::curves::Curves;
+use coif_nodes::data::curves::{Curves, TuftBuilder};
 use coif_shaders::camera::{Subject, Viewpoint, frame};
 use coif_shaders::surface::{RootGrid, SPREAD, Tone, ground, head_solid};
 use coif_shaders::view::Paint;
@@ -63,8 +63,12 @@ fn moved(hair: &Curves) -> Curves {
         if i % 10 > 0 {
             return tuft.clone();
         }
-        let mut moved = tuft.edit();
-        moved.points_mut().iter_mut().for_each(|p| *p += 0.01 * Vec3::X);
+        let mut moved = TuftBuilder::new();
+        for i in 0..tuft.len() {
+            let points: Vec<Vec3> = tuft.curve(i).iter().map(|p| *p + 0.01 * Vec3::X).collect();
+            moved.push_curve(&points);
+        }
+        tuft.attributes().iter().for_each(|attribute| moved.set_column(attribute.clone()));
         moved.build().into()
     });
     Curves::new(tufts.collect())

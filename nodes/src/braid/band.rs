@@ -5,6 +5,7 @@
 //! promised: that the band holds single hairs that stand off.
 
 use super::tube::{Braid, Tube};
+use crate::data::route::makers::lift;
 use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::smoothstep;
@@ -89,7 +90,7 @@ impl Band {
         let axis = (waist.at(half).0 - waist.at(-half).0).normalize_or(Vec3::NEG_Y);
         let ahead = across(front, axis).unwrap_or_else(|| any_normal(axis));
         let right = axis.cross(ahead);
-        let clear = |p: Vec3| skin.map_or(p, |skin| skin.lift(p, radius).0);
+        let clear = |p: Vec3| skin.map_or(p, |skin| lift(skin, p, radius).0);
         let steps = (self.turns * OF_TURN).ceil() as usize;
         // Its ends are tucked under it.
         let mut points = vec![clear(waist.at(-0.5 * rise).0)];

@@ -5,6 +5,7 @@
 
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Tuft, TuftBuilder};
+use crate::data::route::makers::lift;
 use crate::data::scalp::Skin;
 use crate::define::NodeError;
 use crate::eval::Piece;
@@ -80,7 +81,7 @@ fn out_of(skin: Option<&Skin>, from: Vec3, step: Vec3) -> Vec3 {
     let Some(skin) = skin else { return from + step };
     // Short enough that no step ends deeper than the distance field covers.
     let parts = (far / 0.4).ceil().clamp(1.0, 128.0);
-    let to = (0..parts as usize).fold(from, |at, _| skin.push_out(at + step / parts, 0.0).0);
+    let to = (0..parts as usize).fold(from, |at, _| lift(skin, at + step / parts, 0.0).0);
     let turned = from + (to - from).normalize_or_zero() * far;
-    skin.push_out(turned, 0.0).0
+    lift(skin, turned, 0.0).0
 }

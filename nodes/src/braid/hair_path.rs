@@ -16,8 +16,9 @@ use super::even::{Bead, Even, chords, relax, spline_point};
 use super::tube::{Braid, Tube, place};
 use super::wander::{Parted, Wander};
 use crate::data::curves::MOST_A_CURVE;
+use crate::data::route::makers::{clear, lift};
+use crate::data::route::section_guard::Home;
 use crate::data::scalp::{Scalp, Skin};
-use crate::data::section_guard::Home;
 use crate::maths::catmull_rom_agreement::Chords;
 use crate::maths::hash::Dice;
 use crate::maths::smoothstep;
@@ -168,7 +169,7 @@ impl<'a> Leader<'a> {
         let on_way = &self.beads[..(self.on_way(joined) + 1).min(self.beads.len())];
         on_way.windows(2).any(|w| {
             let middle = (w[0].p + w[1].p) * 0.5;
-            w[0].near && skin.push_out(middle, THROUGH).1
+            w[0].near && lift(skin, middle, -THROUGH).1
         })
     }
 
@@ -176,13 +177,10 @@ impl<'a> Leader<'a> {
     fn stay_home(&mut self, way: &[Vec3], joined: f32) {
         let Some(home) = self.home_of(way) else { return };
         let on_way = self.on_way(joined);
-        let mut near = 0;
-        for bead in self.beads[..on_way].iter_mut().skip(1) {
-            let Some(kept) = home.kept(bead.p, &mut near).filter(|kept| *kept != bead.p) else {
-                continue;
-            };
-            bead.p = self.skin.map_or(kept, |skin| skin.push_out(kept, 0.0).0);
-        }
+        let points = self.beads[..on_way].iter_mut().map(|bead| &mut bead.p);
+        home.lead(points.enumerate().skip(1), 0, |_, _, kept| {
+            self.skin.map_or(kept, |skin| lift(skin, kept, 0.0).0)
+        });
     }
 
     /// Sets a hair on the skin with even spacing: first out of the skin, then evenly spaced, over an edge step by step;
@@ -191,7 +189,7 @@ impl<'a> Leader<'a> {
         self.settle(joined);
         let Some(skin) = self.skin else { return };
         for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near && !bead.clear) {
-            bead.p = skin.push_out(bead.p, 0.0).0;
+            bead.p = lift(skin, bead.p, 0.0).0;
         }
     }
 
@@ -214,7 +212,7 @@ impl<'a> Leader<'a> {
         let Some(skin) = self.skin else { return };
         let mut way: Vec<Vec3> = self.raw[..on_way(&self.raw)].iter().map(|bead| bead.p).collect();
         let Some(end) = way.last().copied() else { return };
-        let led = skin.clear(&mut way, |_| Some(-CLEAR));
+        let led = clear(skin, &mut way, |_| Some(-CLEAR));
         // It joins where it would have joined.
         if led && way[way.len() - 1].distance(end) < 0.1 * self.manner.unit {
             std::mem::swap(&mut self.beads, &mut self.raw);
@@ -426,16 +424,17 @@ impl<'a> Leader<'a> {
         let arriving = (end - combed(0.94)) / 0.06;
         let turn = along * (0.8 * chord.length()) - arriving;
         // Bent to its strand, it still stays in the section of its path.
-        let home = self.home_of(way);
-        let mut near = 0;
-        let mut fine = [Vec3::ZERO; SAMPLES + 1];
+        let at = |k: usize| k as f32 / SAMPLES as f32;
+        let mut fine: [Vec3; SAMPLES + 1] = std::array::from_fn(|k| {
+            let s = at(k);
+            combed(s) + turn * (s * s * (s - 1.0))
+        });
+        if let Some(home) = self.home_of(way) {
+            home.lead(fine[..SAMPLES].iter_mut().enumerate().skip(1), 0, |_, _, kept| kept);
+        }
         let mut lengths = [0.0f32; SAMPLES + 1];
         for k in 0..=SAMPLES {
-            let s = k as f32 / SAMPLES as f32;
-            fine[k] = combed(s) + turn * (s * s * (s - 1.0));
-            if let (Some(home), true) = (home, 0 < k && k < SAMPLES) {
-                fine[k] = home.kept(fine[k], &mut near).unwrap_or(fine[k]);
-            }
+            let s = at(k);
             if k > 0 {
                 if let (Some(skin), true) = (self.skin, k < SAMPLES) {
                     fine[k] = over(skin, fine[k], (6.0 * s).min(1.0) * CLEAR).0;
@@ -486,7 +485,7 @@ fn over(skin: &Skin, p: Vec3, height: f32) -> (Vec3, bool) {
     match skin.roughly(p) {
         // This deep, the field's direction out is not accurate enough.
         Some((d, _, doubt)) if d < -0.05 || (doubt > 0.05 && d - doubt < height) => {
-            (skin.lift(p, height).0, false)
+            (lift(skin, p, height).0, false)
         }
         Some((d, out, _)) if d < height => (p + out.normalize_or_zero() * (height - d), false),
         Some((d, _, doubt)) => (p, d > doubt),
@@ -509,16 +508,16 @@ mod tests {
             for i in 0..40_000 {
                 let x = Vec3::from_array([0, 1, 2].map(|k| dice.range(i, k, -0.05, 1.05)));
                 let p = low + (high - low) * x;
-                let near = skin.push_out(p, 0.0).0 + Vec3::Y * dice.range(i, 3, -0.1, 0.1);
+                let near = lift(skin, p, 0.0).0 + Vec3::Y * dice.range(i, 3, -0.1, 0.1);
                 for height in [CLEAR, LEAST] {
                     let (p, clear) = over(skin, near, height);
                     left += usize::from(clear);
-                    assert!(!clear || skin.push_out(p, 0.0) == (p, false), "{near} {height}");
+                    assert!(!clear || lift(skin, p, 0.0) == (p, false), "{near} {height}");
                 }
             }
             for p in [f32::NAN, f32::INFINITY, -f32::MAX, 1e30].map(Vec3::splat) {
                 let (p, clear) = over(skin, p, LEAST);
-                let (kept, moved) = skin.push_out(p, 0.0);
+                let (kept, moved) = lift(skin, p, 0.0);
                 assert!(
                     !clear
                         || (!moved

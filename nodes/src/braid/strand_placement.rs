@@ -8,6 +8,7 @@
 
 use super::strand_radius::Line;
 use super::weave::{OUTLINE, Size, Weave};
+use crate::data::route::makers::lift;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{self, Frame, SkinUnder};
 use crate::maths::hash::Dice;
@@ -465,7 +466,7 @@ impl Tassel {
         for _ in 0..steps as usize {
             to += way.tangent * (far / steps);
             if let Some(below) = below {
-                to = below.skin.lift(to, height).0;
+                to = lift(&below.skin, to, height).0;
             }
         }
         // Exactly as far as requested, however the skin turned it.

@@ -3,6 +3,7 @@
 //! A tail has the requested length and keeps its height above the skin where the skin allows it; it spans nooks (a
 //! collar, a shoulder's fold) in a bow. It does not swing.
 
+use crate::data::route::makers::lift;
 use crate::data::scalp::Skin;
 use glam::Vec3;
 
@@ -99,7 +100,7 @@ impl Fall {
             let mut next = p + way * step;
             let fallen = k.saturating_sub(end) as f32 * step;
             let wanted = height * (fallen / (3.0 * height).max(1e-3)).min(1.0);
-            let (lifted, moved) = skin.lift(next, wanted);
+            let (lifted, moved) = lift(skin, next, wanted);
             if moved {
                 next = p + (lifted - p).normalize_or(way) * step;
                 way = (next - p).normalize_or(way);

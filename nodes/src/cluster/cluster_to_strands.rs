@@ -19,6 +19,7 @@ use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::ramp::Ramp;
+use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{Colour, FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
@@ -367,7 +368,7 @@ impl Filler<'_> {
                 points.extend((1..each).map(|k| {
                     let p = strand.point(k, sections, root, walked);
                     let depth = sections.at[strand.before(k)].depth;
-                    skin.map_or(p, |skin| skin.push_out(p, depth).0)
+                    skin.map_or(p, |skin| lift(skin, p, -depth).0)
                 }));
             } else {
                 points.extend(sections.at[1..].iter().map(|section| {
@@ -377,7 +378,7 @@ impl Filler<'_> {
                         p = section.on_the_way(root - sections.root, p);
                     }
                     match skin {
-                        Some(skin) => skin.push_out(p, section.depth).0,
+                        Some(skin) => lift(skin, p, -section.depth).0,
                         None => p,
                     }
                 }));
@@ -386,21 +387,14 @@ impl Filler<'_> {
                 let strand = &mut points[first..];
                 end_on_plane(strand, tip, normal, sections.root_radius);
                 if let Some(skin) = skin {
-                    for (p, section) in strand[1..].iter_mut().zip(&sections.at[1..]) {
-                        *p = skin.push_out(*p, section.depth).0;
-                    }
+                    lift_each(skin, &mut strand[1..], |k| -sections.at[k + 1].depth);
                 }
             }
             if let (Some(home), Some(triangle)) = (&home, triangles.last()) {
-                let mut near = *triangle as u32;
-                for (p, section) in
-                    points[first + 1..first + at_home].iter_mut().zip(&sections.at[1..])
-                {
-                    // Straight to the side may be into the head.
-                    if let Some(kept) = home.kept(*p, &mut near).filter(|kept| kept != p) {
-                        *p = skin.map_or(kept, |skin| skin.push_out(kept, section.depth).0);
-                    }
-                }
+                let strand = points[first..first + at_home].iter_mut().enumerate().skip(1);
+                home.lead(strand, *triangle as u32, |k, _, kept| {
+                    skin.map_or(kept, |skin| lift(skin, kept, -sections.at[k].depth).0)
+                });
                 if home.passes(&points[first..first + at_home]) {
                     piece.trouble(
                         id,

@@ -17,6 +17,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::patience::Patience;
 use crate::data::ramp::Ramp;
+use crate::data::route::makers::clear_noting;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
@@ -378,7 +379,6 @@ impl Maker<'_> {
                 ways.get_or_insert_with(|| bent.ways(guide_root)).from(hair.point)
             };
             let mut lay = |points: &mut Vec<Vec3>, clump: &[f32], way: Option<&[Vec3]>| {
-                let mut near = hair.triangle;
                 points.truncate(first);
                 points.push(hair.point);
                 points.extend((1..each).map(|k| {
@@ -392,11 +392,12 @@ impl Maker<'_> {
                         let on_way = way[i].lerp(way[i + 1], x - i as f32);
                         p += on_way - hair.point.lerp(guide_root, drawn);
                     }
-                    match home.filter(|_| k <= at_home) {
-                        Some(home) => home.kept(p, &mut near).unwrap_or(p),
-                        None => p,
-                    }
+                    p
                 }));
+                if let Some(home) = home {
+                    let hair_at_home = points[first..].iter_mut().enumerate().take(1 + at_home);
+                    home.lead(hair_at_home.skip(1), hair.triangle, |_, _, kept| kept);
+                }
                 if let Some(skin) = &skin {
                     let hair = &mut points[first..];
                     for (k, p) in hair.iter().enumerate() {
@@ -405,7 +406,8 @@ impl Maker<'_> {
                         let is_clear = holds(&clear[k]) || known[k].iter().any(holds);
                         asked[k] = (!is_clear).then_some(depths[k]);
                     }
-                    skin.clear_noting(
+                    clear_noting(
+                        skin,
                         hair,
                         |k| asked[k],
                         |k, middle, radius| {
@@ -481,7 +483,7 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::define::Value;
     use crate::eval::{Log, Quality};
-    use crate::testing::{Memory, Threads, curves_of, run, run_on};
+    use crate::testing::{Memory, Threads, curves_of, run, run_on, with_points};
     use std::collections::{BTreeMap, BTreeSet};
 
     /// Guides all over the upper half of the ball, `length(i)` long, straight up from the skin.
@@ -560,9 +562,7 @@ mod tests {
         let (before, ran) = grow(&input, 0.01);
         assert_eq!(ran as usize, before.tufts().len());
         let mut tufts = input.tufts().to_vec();
-        let mut edit = tufts[70].edit();
-        edit.points_mut()[6].x += 1.0;
-        tufts[70] = edit.build().into();
+        tufts[70] = with_points(&tufts[70], |points| points[6].x += 1.0).into();
         let combed = Curves::new(tufts);
         let (after, ran) = grow(&combed, 0.01);
         let changed: BTreeSet<u64> = {
@@ -648,7 +648,8 @@ mod tests {
         let (scalp, mut moved) = (shared_ball(), 0);
         let skin = scalp.skin();
         for (id, mut points) in by_id(&grow(&input, &set)) {
-            moved += usize::from(skin.clear(&mut points, |_| Some(0.0)));
+            moved +=
+                usize::from(crate::data::route::makers::clear(&skin, &mut points, |_| Some(0.0)));
             assert_eq!(points, pushed[&id]);
         }
         assert!(moved > 100 && moved < pushed.len(), "{moved} of {}", pushed.len());
@@ -662,10 +663,9 @@ mod tests {
         let mut worst = 0.0f32;
         for step in 1..=20 {
             let mut tufts = input.tufts().to_vec();
-            let mut edit = tufts[40].edit();
             let shift = Vec3::new(0.02, 0.0, 0.015) * step as f32;
-            edit.points_mut().iter_mut().for_each(|p| *p += shift);
-            tufts[40] = edit.build().into();
+            let all = |points: &mut [Vec3]| points.iter_mut().for_each(|p| *p += shift);
+            tufts[40] = with_points(&tufts[40], all).into();
             let now = by_id(&grow(&Curves::new(tufts), &set));
             for (id, points) in &now {
                 for (p, q) in points.iter().zip(&last[id]) {
@@ -747,9 +747,7 @@ mod tests {
     #[test]
     fn guides_that_are_none_are_left_out_and_no_guides_give_no_hair() {
         let mut tufts = guides(10, |_| 3.0).tufts().to_vec();
-        let mut edit = tufts[4].edit();
-        edit.points_mut()[2] = Vec3::NAN;
-        tufts[4] = edit.build().into();
+        tufts[4] = with_points(&tufts[4], |points| points[2] = Vec3::NAN).into();
         let input = Value::from(Curves::new(tufts));
         let set =
             [("guides", input), ("scalp", shared_ball().into()), ("density", Value::Float(1.0))];

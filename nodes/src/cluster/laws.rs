@@ -13,7 +13,7 @@ use crate::eval::{Log, Quality};
 use crate::maths::frame::{Frame, any_normal, carry, frames};
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
-use crate::testing::{Memory, curves_of, run, run_on};
+use crate::testing::{Memory, curves_of, run, run_on, with_points};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -190,9 +190,7 @@ fn an_edit_of_one_cluster_makes_its_strands_again_and_no_others() {
     let (before, ran) = fill(&input);
     assert_eq!(ran, 150);
     let mut tufts = input.tufts().to_vec();
-    let mut edit = tufts[70].edit();
-    edit.points_mut()[9].x += 1.0;
-    tufts[70] = edit.build().into();
+    tufts[70] = with_points(&tufts[70], |points| points[9].x += 1.0).into();
     let (after, ran) = fill(&Curves::new(tufts.clone()));
     assert_eq!(ran, 1);
     let differ = before.tufts().iter().zip(after.tufts()).filter(|(a, b)| a.key() != b.key());

@@ -11,10 +11,11 @@
 //! promised: that the distance is reached where there is no room, close to roots, or in the few passes asked for, in which the
 //! middle of a thick bundle does not learn that there is room outside; that two curves do not cross between their points.
 
-use crate::data::attributes::{ALLOW_DEPTH, Domain, ID, RADIUS, WIDTH};
+use crate::data::attributes::{Domain, ID, RADIUS, WIDTH};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::{Field, Sampler};
 use crate::data::ramp::Ramp;
+use crate::data::route::{Lengths, Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
@@ -180,7 +181,7 @@ fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<[Curves; 2], No
     };
     cx.each_item(tufts.len(), &Size::as_many([curves]), key, |i, piece| {
         let around: Vec<&Laid> = near[i].iter().map(|n| &laid[*n as usize]).collect();
-        apart(cx, inputs, &laid[i], &around, piece)
+        apart(inputs, &laid[i], &around, piece)
     })
 }
 
@@ -375,7 +376,6 @@ impl Link {
 
 /// A tuft moved away from all curves around it, and its crowded curves.
 fn apart(
-    cx: &EvalCx,
     inputs: &Inputs,
     laid: &Laid,
     around: &[&Laid],
@@ -409,32 +409,16 @@ fn apart(
     if !moved.contains(&true) {
         return Ok([tuft.clone(), crowd]);
     }
-    let skin = inputs.scalp.as_deref().map(|scalp| cx.skin(scalp));
-    let depth = tuft.view(ALLOW_DEPTH);
+    let policy = Policy { lengths: Lengths::KeptTowards, ..Policy::default() };
+    let route = Route::new(inputs.scalp.as_deref(), policy);
+    let mut edit = route.moved(tuft);
     for i in (0..tuft.len()).filter(|i| moved[*i]) {
         piece.tick()?;
-        let (start, old) = (tuft.range(i).start, tuft.curve(i));
-        for k in 1..old.len() {
-            let length = old[k].distance(old[k - 1]);
-            let at = start + k;
-            let before = points[at - 1];
-            let straight = (old[k] - old[k - 1]).normalize_or_zero();
-            let put = |p: Vec3| before + (p - before).normalize_or(straight) * length;
-            let mut p = put(points[at]);
-            if let Some(skin) = &skin {
-                let (out, pushed) = skin.push_out(p, depth.at(i, at));
-                if pushed {
-                    // On the skin first; the length once more as far as it stays out.
-                    let again = put(out);
-                    p = if skin.push_out(again, depth.at(i, at)).1 { out } else { again };
-                }
-            }
-            points[at] = p;
+        if let Err(why) = edit.hair(i, &mut points[tuft.range(i)]) {
+            piece.trouble(tuft.id(i), why);
         }
     }
-    let mut edit = tuft.edit();
-    edit.points_mut().copy_from_slice(&points);
-    Ok([edit.build(), crowd])
+    Ok([edit.done().map_or_else(|| tuft.clone(), TuftBuilder::build), crowd])
 }
 
 #[cfg(test)]

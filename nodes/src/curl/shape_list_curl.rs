@@ -23,6 +23,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::route::makers::rest_evenly;
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::data::shapes::{ShapeList, Tier};
@@ -509,7 +510,7 @@ fn curl(
                 let depth = tuft.range(i).map(|k| depth.at(i, k)).fold(f32::MAX, f32::min);
                 let clear = |middle, radius| skin.is_clear(middle, radius);
                 winder.near(&rail, pattern, clear, &mut near);
-                rest_on(skin, &mut winder.points, &near, depth, &mut spline);
+                rest_evenly(skin, &mut winder.points, &near, depth, &mut spline);
             }
             let passing = sections.and_then(|sections| last_over(sections, &winder.points));
             match passing {
@@ -581,40 +582,6 @@ fn rail_end(points: &[Vec3], more: f32) -> Vec3 {
     let last = points[points.len() - 1];
     let before = points.iter().rev().find(|p| **p != last).copied().unwrap_or(last - Vec3::Y);
     last + (last - before).normalize_or(Vec3::Y) * more
-}
-
-/// Moves points that may be near the skin clear of it. If any was moved, corrects each chord's length once, starting at
-/// the root, clears again, and restores even spacing where the skin disturbed it.
-fn rest_on(skin: &Skin, points: &mut [Vec3], near: &[bool], depth: f32, spline: &mut Spline) {
-    let may_be = |k: usize| near[k].then_some(depth);
-    if !(1..points.len()).any(|k| near[k] && skin.push_out(points[k], depth).1) {
-        return;
-    }
-    let chords: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
-    skin.clear(points, may_be);
-    for k in 1..points.len() {
-        let along = (points[k] - points[k - 1]).normalize_or_zero();
-        points[k] = points[k - 1] + along * chords[k - 1];
-    }
-    skin.clear(points, |_| Some(depth));
-    for _ in 0..4 {
-        if is_even(points) || spline.rebuild(points).is_err() {
-            break;
-        }
-        let last = points.len() - 1;
-        for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
-            *p = spline.at(k as f32 / last as f32);
-        }
-        skin.clear(points, |_| Some(depth));
-    }
-}
-
-/// Whether adjacent points are spaced within 1.2 : 1 (methods.md 0).
-fn is_even(points: &[Vec3]) -> bool {
-    points.windows(3).all(|w| {
-        let (a, b) = (w[0].distance_squared(w[1]), w[1].distance_squared(w[2]));
-        a <= b * 1.44 && b <= a * 1.44
-    })
 }
 
 /// Reports how many hairs are coarser than requested, and warns of those with a larger curl because they have so few

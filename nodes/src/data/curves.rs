@@ -112,7 +112,7 @@ impl Tuft {
     pub fn id(&self, i: usize) -> u64 {
         self.view(super::attributes::ID).at(i, self.offsets[i] as usize)
     }
-    /// A builder with this tuft's content; unchanged parts stay shared.
+    /// A builder with this tuft's content, whose points stay; unchanged parts stay shared.
     pub fn edit(&self) -> TuftBuilder {
         TuftBuilder {
             points: self.points.clone(),
@@ -236,17 +236,9 @@ impl TuftBuilder {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// All points, to change in place.
-    pub fn points_mut(&mut self) -> &mut [Vec3] {
+    /// All points, to change in place: hair that exists is moved by `data/route` alone.
+    pub(super) fn points_mut(&mut self) -> &mut [Vec3] {
         Arc::make_mut(&mut self.points).as_mut_slice()
-    }
-    /// Replaces all points by an equal number of others.
-    ///
-    /// # Panics
-    /// If the number differs: a bug in a node.
-    pub fn set_points(&mut self, points: Vec<Vec3>) {
-        assert_eq!(points.len(), self.points.len(), "as many points as before");
-        self.points = Arc::new(points);
     }
     /// Sets a declared attribute: one value for all, one per curve, or one per point.
     ///

@@ -98,8 +98,8 @@ fn is_folded(surface: &Surface, areas: &[f64], each: f64, reach: f32) -> bool {
 mod tests {
     use super::*;
     use crate::data::patience::Patience;
+    use crate::data::route::skin_clear::tests::{bust, hairs};
     use crate::data::scalp::{HeadFrame, REGION, Scalp};
-    use crate::data::skin_clear::tests::{bust, hairs};
     use crate::maths::transcendental::sin_cos_turns;
     use glam::Vec3;
 

@@ -14,8 +14,9 @@
 use super::conform::Effort;
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::patience::Patience;
+use crate::data::route::makers::{clear, clear_beyond, lift, way_out};
+use crate::data::route::skin_clear::Torn;
 use crate::data::scalp::Skin;
-use crate::data::skin_clear::Torn;
 use crate::maths::catmull_rom_agreement::{AGREE, each_span, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
@@ -224,7 +225,7 @@ impl Mender<'_> {
 
     fn clear(&self, p: Vec3, place: Place) -> Vec3 {
         let Some(skin) = self.skin else { return p };
-        let (out, moved) = skin.push_out(p, (self.depth)(place));
+        let (out, moved) = lift(skin, p, -(self.depth)(place));
         if moved {
             self.patience.looks.take(1);
             self.patience.has(PUSHED);
@@ -273,7 +274,7 @@ impl Mender<'_> {
             });
         if let (true, Some(skin)) = (once, self.skin) {
             let Read { points, stops, .. } = &mut read;
-            skin.clear(&mut points[..last], |k| Some((self.depth)(stops[k].1)));
+            clear(skin, &mut points[..last], |k| Some((self.depth)(stops[k].1)));
             self.patience.looks.take(2 * last as u64);
         }
         read.on_skin = pushed.get();
@@ -288,7 +289,7 @@ impl Mender<'_> {
             self.spline.point(place)
         });
         let Read { points, stops, .. } = &mut read;
-        skin.clear_beyond(torn, points, |k| Some((self.depth)(stops[k].1)));
+        clear_beyond(skin, torn, points, |k| Some((self.depth)(stops[k].1)));
         self.even(&mut read, last, true);
         read.moved = self.moved(&read);
         read.judged()
@@ -435,7 +436,7 @@ fn move_out(
     }
     let chord = come[n - 1] / (n - 1) as f32;
     let out = |k: usize| {
-        let way = skin.push_out(points[k], depth(k)).0 - points[k];
+        let way = lift(skin, points[k], -depth(k)).0 - points[k];
         if way.length() > NEAR { way } else { Vec3::ZERO }
     };
     let mut ways: Vec<Vec3> = (1..n).map(out).collect();
@@ -445,7 +446,7 @@ fn move_out(
             let through = (ways[k + 1] - ways[k]).normalize_or_zero();
             let along = (points[k + 1] - points[k]).normalize_or_zero();
             let middle = (points[k] + points[k + 1]) * 0.5;
-            if let Some(aside) = skin.way_out(middle, through, along) {
+            if let Some(aside) = way_out(skin, middle, through, along) {
                 (ways[k], ways[k + 1]) = (aside / beyond, aside / beyond);
             }
         }
@@ -491,8 +492,8 @@ fn ease(points: &mut [Vec3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::route::skin_clear::tests::{bust, hairs};
     use crate::data::scalp::tests::shared_ball;
-    use crate::data::skin_clear::tests::{bust, hairs};
     use crate::maths::transcendental::sin_cos_turns;
 
     /// Of a curve that may nowhere lie in the skin.
@@ -517,7 +518,7 @@ mod tests {
             let push = |(k, p): (usize, Vec3)| {
                 let (sin, cos) = sin_cos_turns(k as f32 * 0.1);
                 let p = p + Vec3::new(cos - 1.0, 0.0, sin) * 0.3;
-                if k == 0 { p } else { skin.push_out(p, 0.0).0 }
+                if k == 0 { p } else { lift(&skin, p, 0.0).0 }
             };
             let coil: Vec<Vec3> = hair.into_iter().enumerate().map(push).collect();
             let spline = Spline::new(&coil).unwrap();

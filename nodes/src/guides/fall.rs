@@ -10,6 +10,7 @@
 //! Guarantees: no clock, no order except that of height and id; every sum in a fixed order. Not promised: a simulation
 //! over time.
 
+use crate::data::route::makers;
 use crate::data::scalp::{Root, Skin};
 use crate::define::NodeError;
 use crate::eval::EvalCx;
@@ -251,11 +252,11 @@ impl Fall<'_> {
     }
 
     fn lift(&self, p: Vec3, height: f32) -> (Vec3, bool) {
-        self.skin.map_or((p, false), |skin| skin.lift(p, height))
+        self.skin.map_or((p, false), |skin| makers::lift(&skin, p, height))
     }
 
     fn lift_about(&self, p: Vec3, height: f32) -> Vec3 {
-        self.skin.map_or(p, |skin| skin.lift_about(p, height))
+        self.skin.map_or(p, |skin| makers::lift_about(&skin, p, height))
     }
 
     /// Smooths a fallen thread where it still turns sharply, squeezed between others.

@@ -10,6 +10,7 @@ use crate::data::attributes::{
     DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
@@ -248,16 +249,15 @@ impl Grower<'_> {
         let home = self.scalp.home_of(root);
         for _ in 0..steps {
             let next = p + direction * step;
-            let (lifted, moved) = self.skin.lift(next, CLEARANCE);
+            let (lifted, moved) = lift(&self.skin, next, CLEARANCE);
             // A step that was put back on the skin keeps its length along it.
             let mut to = lifted;
             if moved && let Some(along) = (lifted - p).try_normalize() {
-                to = self.skin.lift(p + along * step, CLEARANCE).0;
+                to = lift(&self.skin, p + along * step, CLEARANCE).0;
             }
             // A guide on the skin runs along a parting, not across it.
-            if let Some(kept) = home.and_then(|home| home.kept(to, &mut below)).filter(|q| *q != to)
-            {
-                to = self.skin.lift(kept, CLEARANCE).0;
+            if let Some(home) = home {
+                to = home.keep(to, &mut below, |kept| lift(&self.skin, kept, CLEARANCE).0);
             }
             // At a corner with no way out, it ends.
             if grown.len() > 1 && home.is_some_and(|home| home.passes(&[p, to])) {
@@ -306,9 +306,7 @@ impl Grower<'_> {
             Err(_) => out = grown.to_vec(),
         }
         // The spline may cut a corner of the skin that the steps avoided.
-        for p in &mut out[1..] {
-            *p = self.skin.lift(*p, 0.5 * CLEARANCE).0;
-        }
+        lift_each(&self.skin, &mut out[1..], |_| 0.5 * CLEARANCE);
         out[0] = grown[0];
         out
     }

@@ -9,6 +9,7 @@
 
 use crate::data::attributes::{DRIFT, Domain, ID, RADIUS, SCALP_NORMAL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::route::makers::lift;
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::strokes::{Stroke, Strokes};
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -176,7 +177,7 @@ fn drawn_curve(
     let mut normals = vec![Vec3::ZERO; n];
     for (k, (p, normal)) in points.iter_mut().zip(&mut normals).enumerate() {
         if inputs.project == Project::Free && k > 0 {
-            *p = skin.push_out(*p, 0.0).0;
+            *p = lift(skin, *p, 0.0).0;
             *normal = lay::laid(scalp, *p, 0.0).1;
         } else {
             (*p, *normal) = met(*p);
@@ -197,17 +198,17 @@ fn drawn_curve(
     let bound = tuft.build();
     let radius = inputs.radius.in_cm(&bound, Some(scalp), unit)?;
     let offset = inputs.offset.in_cm(&bound, Some(scalp), unit)?;
-    let mut tuft = bound.edit();
     let by_pressure = |k: usize| 1.0 + inputs.pressure_radius * (pressure[k] - 1.0);
     let radii = (0..n).map(|k| radius.at(0, k, part(k)) * by_pressure(k)).collect();
-    tuft.set(RADIUS, Domain::Point, radii);
     if inputs.project == Project::Scalp {
         over_folds(&mut points, &normals, skin, scalp.frame().radius);
         for (k, p) in points.iter_mut().enumerate() {
             *p += normals[k] * offset.at(0, k, part(k));
         }
-        tuft.set_points(points);
     }
+    let mut tuft = TuftBuilder::even(points, n);
+    bound.attributes().iter().for_each(|attribute| tuft.set_column(attribute.clone()));
+    tuft.set(RADIUS, Domain::Point, radii);
     Ok(tuft.build())
 }
 

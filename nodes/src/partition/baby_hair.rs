@@ -10,6 +10,7 @@ use crate::data::attributes::{
     Domain, GROUP, ID, ROOT_BARY, ROOT_TRIANGLE, SCALP_NORMAL, SECTION, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::route::makers;
 use crate::data::scalp::{Root, Scalp};
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -388,7 +389,7 @@ impl Maker<'_> {
             // In a fold, the way out of one side leads into the other.
             let again = surface.closest_from(*p, near);
             if again.is_some_and(|hit| surface.signed_distance(*p, &hit) < 0.0) {
-                *p = self.scalp.skin().lift(*p, 0.5 * clear).0;
+                *p = makers::lift(&self.scalp.skin(), *p, 0.5 * clear).0;
             }
         }
         // In folds, a path that stays in its section on the scalp may still cross a parting in the air.

@@ -12,6 +12,7 @@
 //! height, it follows the skin and rises to its end in the braid.
 
 use crate::data::ramp::Ramp;
+use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::maths::closest::{Hit, Surface};
@@ -327,7 +328,7 @@ pub(crate) fn end(
     // A root closer than the braid's side still leaves room for a hair.
     let off = (radius - rules.tuck).max(0.0).min(0.6 * start.point.distance(station.point));
     let point = station.point + out * off;
-    let point = rules.skin.lift(point, rules.clear).0;
+    let point = lift(&rules.skin, point, rules.clear).0;
     End { point, along: station.along, out, axis: station.point, radius }
 }
 
@@ -340,7 +341,7 @@ impl End {
         let flat = (p - self.axis).reject_from_normalized(self.along);
         let p =
             if flat.length() > 0.98 * self.radius { self.point + self.along * ball.x } else { p };
-        let (lifted, _) = rules.skin.lift(p, rules.clear);
+        let (lifted, _) = lift(&rules.skin, p, rules.clear);
         if lifted.distance(self.point) <= rules.group_radius { lifted } else { self.point }
     }
 }
@@ -442,7 +443,7 @@ pub(crate) fn way(
     // In folds that a few rounds do not resolve, and on ridges between two samples, at least the points are out of the
     // skin.
     let inner = &mut points[1..rules.cvs - 1];
-    inner.iter_mut().for_each(|p| *p = rules.skin.push_out(*p, 0.0).0);
+    lift_each(&rules.skin, inner.iter_mut(), |_| 0.0);
     // A border may protrude between two points that are inside.
     let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
     rules.crossing || ground.home.as_ref().is_none_or(stays)

@@ -137,7 +137,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let chart = scalp.chart();
     cx.check()?;
     let mut partings = scalp.sections().map_or(vec![], |s| s.partings().to_vec());
-    let before = partings.len();
+    let before: Vec<u64> = partings.iter().map(|p| p.id).collect();
+    let mut before = before.into_iter();
     let is_on_map = scalp.is_on_map();
     let (mut part, mut middles) = (vec![], vec![]);
     if is_on_map {
@@ -175,7 +176,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         })
         .collect();
     let maker = Maker { scalp: &parted, chart, unit, seed, part: &part, drift };
-    let lines = sections.partings()[before..].iter().map(|p| maker.parting(p));
+    // What cuts nothing is not kept, of those that were there too.
+    let was_there = sections.partings().iter().take_while(|p| before.any(|id| id == p.id)).count();
+    let lines = sections.partings()[was_there..].iter().map(|p| maker.parting(p));
     let partings = Curves::new(lines.flatten().map(Arc::new).collect());
     // The section that rows gather to is not a row.
     let tied = (inputs.pattern == Pattern::Gathered)

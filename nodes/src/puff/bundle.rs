@@ -11,6 +11,7 @@ use super::tie::Tie;
 use crate::data::attributes::{Attribute, Column, Domain, FIBRE, ID, PARENT, PUFF};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::ramp::Ramp;
+use crate::data::route::makers::lift_each;
 use crate::data::scalp::Skin;
 use crate::define::NodeError;
 use crate::eval::{EvalCx, Piece, Size};
@@ -254,15 +255,8 @@ impl Bundle<'_> {
                 break;
             }
         }
-        for point in &mut points[1..] {
-            *point = self.clear(*point);
-        }
+        lift_each(&self.skin, &mut points[1..], |_| 0.0);
         nearest.map_or(parent, |l| l.id)
-    }
-
-    #[inline]
-    fn clear(&self, p: Vec3) -> Vec3 {
-        self.skin.push_out(p, 0.0).0
     }
 }
 

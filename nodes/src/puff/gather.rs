@@ -17,8 +17,9 @@ use crate::data::attributes::{
     SCALP_NORMAL, SECTION, TIE, TIE_RADIUS, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::route::makers::{lift, lift_each};
+use crate::data::route::section_guard::Home;
 use crate::data::scalp::{Root, Scalp, Skin};
-use crate::data::section_guard::Home;
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
@@ -570,7 +571,7 @@ impl Gatherer<'_> {
         let off = rooted.root.point - dome.at(rooted.place).0;
         // Hair of a section that its tie stands over does not cross another section.
         let home = self.home(rooted);
-        let (mut k, mut by) = (1, rooted.root.triangle);
+        let mut k = 1;
         let from_here = points.len();
         points.push(rooted.root.point);
         for n in 1..=last {
@@ -600,11 +601,16 @@ impl Gatherer<'_> {
             let aside = 4.0 * u * rest * (sway + turn * (1.0 - 2.0 * u) * 1.5);
             let across = if near < 1.0 { up.cross(way_of(skin, tie)) } else { side };
             p += across * aside + off * (rest * rest * rest);
-            // Points that would have to move far are over an ear, or are dropped.
-            let kept = home.and_then(|home| home.kept(p, &mut by));
-            p = kept.filter(|q| q.distance(p) < FAR_OFF * self.unit).unwrap_or(p);
-            points.push(self.clear(p));
+            points.push(p);
         }
+        let hair = &mut points[from_here..];
+        if let Some(home) = home {
+            // Points that would have to move far are over an ear, or are dropped.
+            let far = FAR_OFF * self.unit;
+            let near = |_, p: Vec3, kept: Vec3| if kept.distance(p) < far { kept } else { p };
+            home.lead(hair.iter_mut().enumerate().skip(1), rooted.root.triangle, near);
+        }
+        lift_each(&self.skin, &mut hair[1..], |_| 0.0);
         self.past_ears(&mut points[from_here..]);
         if let Some(end) = points.last_mut() {
             // The ring of a tilted tie may dip into the head.
@@ -634,9 +640,7 @@ impl Gatherer<'_> {
             *p = middle + way * (near + (far - near) * t);
         }
         self.detour.lead(&mut hair[..=past], Towards::Top);
-        for p in &mut hair[1..past] {
-            *p = self.clear(*p);
-        }
+        lift_each(&self.skin, &mut hair[1..past], |_| 0.0);
     }
 
     /// Other programs would read a hair with points made uneven by folds as a different curve: it gets even points
@@ -659,7 +663,7 @@ impl Gatherer<'_> {
     /// `p`, moved out of the skin.
     #[inline]
     fn clear(&self, p: Vec3) -> Vec3 {
-        self.skin.push_out(p, 0.0).0
+        lift(&self.skin, p, 0.0).0
     }
 }
 

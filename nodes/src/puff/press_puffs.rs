@@ -13,6 +13,7 @@
 use super::press::{Wall, pressed};
 use crate::data::attributes::{Domain, FIBRE, PUFF, PUFF_CENTRE, PUFF_RADIUS};
 use crate::data::curves::{Curves, Tuft};
+use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{NodeError, node};
 use crate::eval::{EvalCx, Piece, Quality, Size};
@@ -139,7 +140,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let presser = Presser { inputs: &inputs, walls: &walls };
     let [curves] =
         cx.each_item(tufts.len(), &Size::as_many([&inputs.curves]), key, |i, piece| {
-            Ok([presser.tuft(&tufts[i], piece, cx)?])
+            Ok([presser.tuft(&tufts[i], piece)?])
         })?;
     Ok(Outputs { curves })
 }
@@ -166,10 +167,12 @@ struct Presser<'a> {
 }
 
 impl Presser<'_> {
-    fn tuft(&self, tuft: &Tuft, piece: &mut Piece, cx: &EvalCx) -> Result<Tuft, NodeError> {
-        let skin = self.inputs.scalp.as_deref().map(|scalp| cx.skin(scalp));
+    fn tuft(&self, tuft: &Tuft, piece: &mut Piece) -> Result<Tuft, NodeError> {
+        let policy = Policy::keep_length(false);
+        let route = Route::new(self.inputs.scalp.as_deref(), policy);
+        let mut moved = route.moved(tuft);
         let share = self.inputs.flatten;
-        let (mut points, mut radii, mut fibres) = (tuft.points().to_vec(), vec![], vec![]);
+        let (mut new, mut radii, mut fibres) = (vec![], vec![], vec![]);
         let (mut spline, mut way) = (Spline::default(), vec![]);
         let mut changed = false;
         let fibre = tuft.view(FIBRE);
@@ -209,32 +212,26 @@ impl Presser<'_> {
                     }));
                     let before = spline.rebuild(old).map_or(0.0, |()| spline.length());
                     // As many points as before, evenly spaced; the tip is already in place.
-                    let new = &mut points[range.clone()];
                     if spline.rebuild(&way).is_ok() && before > 0.0 {
-                        let (end, mut k) = (way[last], 0);
-                        spline.resample(old.len(), |p| {
-                            if let Some(slot) = new.get_mut(k) {
-                                *slot = p;
-                            }
-                            k += 1;
-                        });
-                        new[0] = *root;
-                        new[last] = end;
+                        new.clear();
+                        spline.resample(old.len(), |p| new.push(p));
+                        new.truncate(old.len());
+                        new[last] = way[last];
                         let leaving = (old[1] - *root).normalize_or_zero();
                         if last > 1 {
                             new[1] = *root + leaving * new[1].distance(*root);
                         }
-                        for (k, p) in new.iter_mut().enumerate().skip(1) {
-                            if let Some(skin) = &skin {
-                                *p = skin.push_out(*p, 0.0).0;
-                            }
-                            // Where the path turns into the plane, a smooth curve through its points overshoots.
-                            if k > 1 && share >= 1.0 {
-                                *p = press(*p, u(k));
-                            }
+                        // Where the path turns into the plane, a smooth curve through its points overshoots.
+                        for (k, p) in new.iter_mut().enumerate().skip(2).filter(|_| share >= 1.0) {
+                            *p = press(*p, u(k));
                         }
-                        fibre *= spline.length() / before;
-                        changed = true;
+                        match moved.hair(i, &mut new) {
+                            Ok(()) => {
+                                fibre *= spline.length() / before;
+                                changed = true;
+                            }
+                            Err(why) => piece.trouble(tuft.id(i), why),
+                        }
                     }
                 }
             }
@@ -244,8 +241,7 @@ impl Presser<'_> {
         if !changed {
             return Ok(tuft.clone());
         }
-        let mut edit = tuft.edit();
-        edit.points_mut().copy_from_slice(&points);
+        let mut edit = moved.done().unwrap_or_else(|| tuft.edit());
         edit.set(PUFF_RADIUS, Domain::Curve, radii);
         if tuft.attribute(FIBRE.name).is_some() {
             edit.set(FIBRE, Domain::Curve, fibres);

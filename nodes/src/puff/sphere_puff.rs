@@ -20,6 +20,7 @@ use crate::data::attributes::{
     ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::route::makers::lift;
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
@@ -388,7 +389,7 @@ impl<'a> Puff<'a> {
             |t: f32| self.skin.about(at(t)) < over + ABOUT && self.skin.distance(at(t)) < over;
         // From a centre inside the head nothing is visible.
         if is_low(0.0) {
-            return self.skin.lift(tip, over).0;
+            return lift(&self.skin, tip, over).0;
         }
         let Some(first) = (1..=STEPS).find(|k| is_low(*k as f32 / STEPS as f32)) else {
             return tip;
@@ -398,7 +399,7 @@ impl<'a> Puff<'a> {
             let middle = 0.5 * (clear + low);
             if is_low(middle) { low = middle } else { clear = middle }
         }
-        self.skin.lift(tip.lerp(at(clear), self.inputs.flatten), over).0
+        lift(&self.skin, tip.lerp(at(clear), self.inputs.flatten), over).0
     }
 
     /// Height above the skin of hair pressed onto the head, cm; 0 if none is.
@@ -478,7 +479,7 @@ impl<'a> Puff<'a> {
             }
             let tip = self.pressed(self.centre + direction * reach);
             // Where the sphere dips into the head, hair ends on the skin.
-            let tip = self.skin.push_out(tip, 0.0).0;
+            let tip = lift(&self.skin, tip, 0.0).0;
             // The visible outline is where the outermost tips end.
             let outline = self.on_outline(direction).distance(self.centre);
             let radius = outline * self.outermost();
@@ -560,7 +561,7 @@ impl<'a> Puff<'a> {
         let over = self.over_skin();
         let height = |u: f32| over * (2.0 * u - 1.0).max(0.0);
         for (k, p) in out.path[..n - 1].iter_mut().enumerate().skip(1) {
-            *p = self.skin.lift(*p, height(2.0 * k as f32 / n as f32)).0;
+            *p = lift(&self.skin, *p, height(2.0 * k as f32 / n as f32)).0;
         }
         if out.spline.rebuild(&out.path).is_err() {
             return;
@@ -573,7 +574,7 @@ impl<'a> Puff<'a> {
         points[last] = tip;
         points[1] = root.point + root.normal * points[1].distance(root.point);
         for (k, p) in points[..last].iter_mut().enumerate().skip(1) {
-            *p = self.skin.lift(*p, height(2.0 * k as f32 / last as f32)).0;
+            *p = lift(&self.skin, *p, height(2.0 * k as f32 / last as f32)).0;
         }
         out.tuft.push_curve(&out.points);
         out.ids.push(ids);

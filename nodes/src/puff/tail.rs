@@ -7,6 +7,7 @@ use super::bundle::{Bundle, Course, MOST_LOCKS, STEP};
 use super::tie::Tie;
 use crate::data::curves::Curves;
 use crate::data::ramp::{Blend, Ramp};
+use crate::data::route::makers::lift;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{NodeError, node};
 use crate::eval::EvalCx;
@@ -132,7 +133,7 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
         // Close to the tie, the tail stays at the tie's height, however thick it gets.
         let height = height.min(0.8 * tie.height + 0.5 * step * k as f32);
         let next = p + direction * step;
-        let (lifted, moved) = skin.lift(next, height);
+        let (lifted, moved) = lift(&skin, next, height);
         if moved && let Some(along) = (lifted - p).try_normalize() {
             direction = direction.lerp(along, 0.7).normalize_or(along);
         }

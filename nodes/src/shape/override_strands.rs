@@ -8,9 +8,10 @@
 //! values follow its length (each point keeps its own); that a hair of two or three points, which cannot bend, stays
 //! out of the skin in between.
 
-use crate::data::attributes::{ALLOW_DEPTH, COLOUR, Domain, FIBRE, WIDTH};
+use crate::data::attributes::{COLOUR, Domain, FIBRE, WIDTH};
 use crate::data::curves::{Curves, Tuft};
-use crate::data::scalp::{Scalp, Skin};
+use crate::data::route::{Lengths, Policy, Route};
+use crate::data::scalp::Scalp;
 use crate::define::{NodeError, node, short};
 use crate::eval::{EvalCx, Piece, Quality};
 use crate::maths::spline::{CurveFault, Spline};
@@ -72,13 +73,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if changes.is_empty() {
         return Ok(Outputs { curves: inputs.curves });
     }
-    let skin = cx.skin(&inputs.scalp);
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
         let asked = (0..tuft.len()).filter(|i| !tuft.curve(*i).is_empty());
         let asked = asked.filter_map(|i| Some((i, *changes.get(&tuft.id(i))?)));
         let asked: Vec<(usize, Change)> = asked.collect();
         piece.tick()?;
-        changed(tuft, &asked, &inputs.scalp, &skin, piece).map(|tuft| [tuft])
+        changed(tuft, &asked, &inputs.scalp, piece).map(|tuft| [tuft])
     })?;
     let mut missing: BTreeMap<u64, &Change> = changes.iter().map(|(id, c)| (*id, c)).collect();
     for (tuft, i) in inputs.curves.each() {
@@ -184,32 +184,27 @@ fn changed(
     tuft: &Tuft,
     asked: &[(usize, Change)],
     scalp: &Scalp,
-    skin: &Skin,
     piece: &mut Piece,
 ) -> Result<Tuft, NodeError> {
     if asked.is_empty() {
         return Ok(tuft.edit().build());
     }
-    let depth = tuft.view(ALLOW_DEPTH);
-    let mut points = tuft.points().to_vec();
+    // Whoever places a hair by hand says where it lies, over partings too.
+    let policy = Policy { lengths: Lengths::Free, own_section: false };
+    let route = Route::new(Some(scalp), policy);
+    let mut moved = route.moved(tuft);
     let mut shares = vec![1.0f32; tuft.len()];
     for (i, change) in asked {
-        let range = tuft.range(*i);
-        let (first, curve) = (range.start, &mut points[range]);
-        let before = curve.to_vec();
         piece.tick()?;
-        match change.shape(curve, scalp) {
-            Ok(share) => shares[*i] = share,
-            Err(fault) => piece.trouble(tuft.id(*i), fault),
-        }
-        if *curve != *before {
-            skin.clear(curve, |k| Some(depth.at(*i, first + k)));
+        let mut curve = tuft.curve(*i).to_vec();
+        let shaped = change.shape(&mut curve, scalp);
+        match (shaped, moved.hair(*i, &mut curve)) {
+            (Err(fault), _) => piece.trouble(tuft.id(*i), fault),
+            (Ok(share), Ok(())) => shares[*i] = share,
+            (Ok(_), Err(why)) => piece.trouble(tuft.id(*i), why),
         }
     }
-    let mut edit = tuft.edit();
-    if points != tuft.points() {
-        edit.set_points(points);
-    }
+    let mut edit = moved.done().unwrap_or_else(|| tuft.edit());
     if shares.iter().any(|share| *share != 1.0) && tuft.attribute(FIBRE.name).is_some() {
         let fibre = tuft.view(FIBRE);
         let of = |i: usize| match tuft.curve(i) {

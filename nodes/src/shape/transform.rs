@@ -8,6 +8,7 @@ use crate::data::attributes::{
     ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, TIE, TIE_RADIUS, WIDTH,
 };
 use crate::data::curves::{Curves, TuftBuilder};
+use crate::data::route::{Left, carried};
 use crate::data::scalp::{HeadFrame, Scalp};
 use crate::define::{NodeError, choice, node};
 use crate::eval::EvalCx;
@@ -111,21 +112,21 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let skin = scalp.filter(|_| bind).map(|scalp| (cx.skin(scalp), scalp));
 
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
-        let mut out = tuft.edit();
-        let mut points = Vec::with_capacity(tuft.points().len());
-        for i in 0..tuft.len() {
-            piece.tick()?;
-            points.extend(tuft.curve(i).iter().map(|p| matrix * (*p - pivot) + pivot + shift));
+        piece.tick()?;
+        let place = |p: Vec3| matrix * (p - pivot) + pivot + shift;
+        let is_far = |p: &Vec3| p.is_finite() && !place(*p).is_finite();
+        if !grown.is_finite() || tuft.points().iter().any(is_far) {
+            (0..tuft.len()).for_each(|i| piece.trouble(tuft.id(i), Left::Far));
+            return Ok([tuft.clone()]);
         }
+        let mut out = carried(tuft, place);
         for declared in [NORMAL, SCALP_NORMAL] {
             each_value(&mut out, tuft, declared.name, |v: Vec3| {
                 (cofactors * v).normalize_or_zero()
             });
         }
         for declared in [PUFF_CENTRE, TIE] {
-            each_value(&mut out, tuft, declared.name, |p: Vec3| {
-                matrix * (p - pivot) + pivot + shift
-            });
+            each_value(&mut out, tuft, declared.name, place);
         }
         if grown != 1.0 {
             for declared in [RADIUS, WIDTH, ALLOW_DEPTH, FIBRE, PUFF_RADIUS, TIE_RADIUS] {
@@ -133,7 +134,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
         }
         if let Some((skin, scalp)) = &skin {
-            let first = |i: usize| points[tuft.offsets()[i] as usize];
+            let first = |i: usize| place(tuft.points()[tuft.offsets()[i] as usize]);
             let roots: Vec<_> = (0..tuft.len())
                 .map(|i| skin.closest(first(i)).map(|hit| scalp.root(hit.triangle, hit.bary)))
                 .collect();
@@ -147,7 +148,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 out.set(ROOT_UV, Domain::Curve, uv.collect());
             }
         }
-        out.set_points(points);
         Ok([out.build()])
     })?;
     Ok(Outputs { curves })

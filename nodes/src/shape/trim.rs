@@ -10,7 +10,8 @@
 
 use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::{Curves, Tuft};
-use crate::data::scalp::{Scalp, Skin};
+use crate::data::route::{Policy, Route};
+use crate::data::scalp::Scalp;
 use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::Spline;
@@ -115,7 +116,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     };
     let dice = cx.dice(inputs.seed, "trim");
-    let skin = inputs.scalp.skin();
+    let route = Route::new(Some(&inputs.scalp), Policy::default());
     let (soft, least) = (inputs.softness * unit, inputs.least * unit);
     // Distance of a point outside the outline, cm.
     let over = |p: Vec3| {
@@ -129,7 +130,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let aside = dice.signed(id, 0);
             soft * aside * aside * aside
         };
-        Ok([cut(tuft, |p, id| over(p) - room(id), least, (&skin, piece))?])
+        Ok([cut(tuft, |p, id| over(p) - room(id), least, (&route, piece))?])
     })?;
     let (mut before, mut after) = (0, 0);
     for (old, new) in inputs.curves.tufts().iter().zip(curves.tufts()) {
@@ -146,7 +147,7 @@ fn cut(
     tuft: &Tuft,
     over: impl Fn(Vec3, u64) -> f32,
     least: f32,
-    (skin, piece): (&Skin, &mut Piece),
+    (route, piece): (&Route, &mut Piece),
 ) -> Result<Tuft, NodeError> {
     let mut out = Shortened::new(tuft);
     let mut spline = Spline::default();
@@ -163,7 +164,7 @@ fn cut(
             None => out.keep(i),
             // Between its points a hair may dip into the skin.
             Some(end) => out.cut(i, &spline, end, |p, span| {
-                skin.lift_exactly(p, -depth.at(i, first as usize + span)).0
+                route.between(p, depth.at(i, first as usize + span))
             }),
         }
     }

@@ -8,6 +8,7 @@
 use super::hand::{Hand, Sketch, off_line};
 use super::lock::{Lock, way};
 use crate::data::gestures::Layer;
+use crate::data::route::makers::lift_exactly;
 use glam::{Vec2, Vec3};
 
 /// A cut is angled if the cosine between the hair and the cut's normal exceeds this: 75 degrees.
@@ -108,7 +109,7 @@ fn shorter(hand: &Hand, lock: &mut Lock, k: usize, t: f32) -> bool {
     let mut kept: Vec<Vec3> = lock.points[..=k].to_vec();
     let mut places: Vec<f32> = (0..=k).map(|k| k as f32).collect();
     // Between two CVs outside the head, a curve may pass through it.
-    let (end, _) = hand.skin.lift_exactly(lock.points[k].lerp(lock.points[k + 1], t), 0.0);
+    let (end, _) = lift_exactly(&hand.skin, lock.points[k].lerp(lock.points[k + 1], t), 0.0);
     let segment = lock.points[k].distance(lock.points[k + 1]);
     // A short last segment merges with the previous one, if that is free.
     if t * segment < 0.3 * segment && kept.len() > 1 && !lock.pinned[k] {

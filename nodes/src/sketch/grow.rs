@@ -14,6 +14,7 @@ use super::relax::{CLEARANCE, Rest};
 use super::seen::steps;
 use super::silhouette::Outline;
 use crate::data::gestures::RootFrame;
+use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
 use crate::maths::polyline::Polyline;
@@ -208,7 +209,7 @@ pub(super) fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
         Rest::new(lengths, held).lengthen(points, &hand.skin);
         for p in &mut points[held + 1..] {
-            *p = hand.skin.lift_exactly(*p, CLEARANCE).0;
+            *p = lift_exactly(&hand.skin, *p, CLEARANCE).0;
         }
     }
 }

@@ -171,22 +171,15 @@ impl Lock {
         let base = &self.base;
         let same = self.from.len() == base.points().len()
             && self.from.iter().enumerate().all(|(k, from)| *from == k as f32);
-        let mut b = if same {
-            let mut b = base.edit();
-            b.set_points(self.points.clone());
-            b
-        } else {
-            let mut b = TuftBuilder::new();
-            b.push_curve(&self.points);
-            for attribute in base.attributes() {
-                let mut one = attribute.clone();
-                if one.domain == Domain::Point && one.values.len() > 1 {
-                    one.values = along(&one.values, &self.from);
-                }
-                b.set_column(one);
+        let mut b = TuftBuilder::new();
+        b.push_curve(&self.points);
+        for attribute in base.attributes() {
+            let mut one = attribute.clone();
+            if !same && one.domain == Domain::Point && one.values.len() > 1 {
+                one.values = along(&one.values, &self.from);
             }
-            b
-        };
+            b.set_column(one);
+        }
         let was = Self::new(base.clone());
         if self.density != was.density {
             b.set(DENSITY, Domain::Curve, vec![self.density]);

@@ -5,6 +5,7 @@
 
 use super::hand::{Hand, Sketch};
 use super::relax::CLEARANCE;
+use crate::data::route::makers::lift_exactly;
 
 /// A pen movement shorter than this (pixels) moves nothing.
 const STILL: f32 = 0.5;
@@ -37,7 +38,7 @@ pub(super) fn point(hand: &Hand, sketch: &mut Sketch) {
         let Some(at) = hand.seen.pixel(p) else { continue };
         let height = hand.skin.distance(p).min(CLEARANCE);
         let to = hand.seen.at(at + way, hand.seen.depth(p));
-        lock.points[k] = hand.skin.lift_exactly(to, height).0;
+        lock.points[k] = lift_exactly(&hand.skin, to, height).0;
         if lock.points[k] != p {
             sketch.locks[i] = lock.done();
         }

@@ -11,6 +11,7 @@ use super::lock::Lock;
 use super::relax::{CLEARANCE, Rest};
 use super::seen::Seen;
 use crate::data::gestures::{Gesture, RootFrame};
+use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{Scalp, Skin};
 use glam::{Vec2, Vec3};
 
@@ -121,7 +122,7 @@ fn begin(seen: &Seen, points: &[Vec3], start: Vec2, skin: &Skin) -> Option<Begin
     // (From the very tip, it would be a lengthening.)
     let mut kept = points[..=place as usize].to_vec();
     if place.fract() > 0.0 {
-        kept.push(skin.lift_exactly(at(points, place), CLEARANCE).0);
+        kept.push(lift_exactly(skin, at(points, place), CLEARANCE).0);
     }
     Some(Begin { place, kept })
 }

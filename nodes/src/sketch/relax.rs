@@ -4,6 +4,7 @@
 //! room; no moved CV ends below the skin, or deeper than before. Not promised: no sharp angles where the head forces
 //! one.
 
+use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
 use crate::maths::transcendental::sin_cos;
@@ -53,7 +54,7 @@ impl Rest {
             self.lengthen(points, skin);
         }
         for (p, height) in points.iter_mut().zip(&self.heights).skip(self.held + 1) {
-            *p = skin.lift_exactly(*p, *height).0;
+            *p = lift_exactly(skin, *p, *height).0;
         }
     }
 
@@ -66,7 +67,7 @@ impl Rest {
             points[k] = from + way * length;
             let mut free = false;
             for _ in 0..TRIES {
-                let (lifted, moved) = skin.lift_exactly(points[k], self.heights[k]);
+                let (lifted, moved) = lift_exactly(skin, points[k], self.heights[k]);
                 if !moved {
                     free = true;
                     break;
@@ -111,5 +112,5 @@ fn free_way(from: Vec3, way: Vec3, length: f32, height: f32, skin: &Skin) -> Vec
     });
     let mut all: Vec<Vec3> = all.collect();
     all.sort_by(|a, b| b.dot(way).total_cmp(&a.dot(way)));
-    all.into_iter().find(|way| !skin.lift_exactly(from + way * length, height).1).unwrap_or(way)
+    all.into_iter().find(|way| !lift_exactly(skin, from + way * length, height).1).unwrap_or(way)
 }

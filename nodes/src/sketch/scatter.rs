@@ -218,7 +218,7 @@ mod tests {
     use crate::data::curves::{Curves, TuftBuilder};
     use crate::data::gestures::{Layer, Tool};
     use crate::data::scalp::tests::shared_ball;
-    use crate::testing::head;
+    use crate::testing::{head, with_points};
 
     /// Position of a root on the ball, from the front, this many cm to the right of the centre.
     fn on_ball(scalp: &Scalp, x: f32) -> Vec3 {
@@ -337,13 +337,15 @@ mod tests {
         let scalp = head(&[]);
         // It lies close to the skin: half a cm out over four cm down.
         let top = scalp.frame().point_from_head(Vec3::new(-2.0, 6.0, 8.0));
-        let mut b = lock(&scalp, 5, scalp.closest_root(top).unwrap().point, 8.0, 0.0);
+        let upright = lock(&scalp, 5, scalp.closest_root(top).unwrap().point, 8.0, 0.0);
         let (p, q) = {
             let own = RootFrame::at(&scalp, &scalp.closest_root(top).unwrap());
             (own.world(Vec3::ZERO), own.world(Vec3::new(0.5, 4.0, 0.0)))
         };
-        b.set_points((0..5).map(|k| p.lerp(q, k as f32 / 4.0)).collect());
-        let upstream = Curves::new(vec![Arc::new(b.build())]);
+        let close = with_points(&upright.build(), |points| {
+            points.iter_mut().enumerate().for_each(|(k, on)| *on = p.lerp(q, k as f32 / 4.0));
+        });
+        let upstream = Curves::new(vec![Arc::new(close)]);
         let view = drawn(Tool::Comb, Layer::Scalp, &[Vec2::ZERO]).view;
         let seen = Seen::new(&view, scalp.frame());
         let at = seen.pixel(p).unwrap();

@@ -1,15 +1,15 @@
 //! Clump: hair drawn together to locks and wisps.
 //!
-//! Guarantees: those of `held.rs` and `middles.rs`; a higher share of strays only takes hairs out of clumps. Not promised: that hair
+//! Guarantees: those of `data/route` and `middles.rs`; a higher share of strays only takes hairs out of clumps. Not promised: that hair
 //! of one clump, but of several tufts whose hair runs apart, comes together: each tuft is drawn to a hair of its own, all of them
 //! rooted at the clump's place.
 
-use super::held::Held;
 use super::middles::{Given, Middles};
 use super::seeds::Seeds;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::field::FieldFault;
 use crate::data::ramp::Ramp;
+use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, Value as Set, node};
 use crate::eval::EvalCx;
@@ -78,7 +78,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let centres = inputs.centres.as_ref().map(one_each);
     let given = centres.as_ref().map(|all| Given::new(all.tufts().iter().map(|tuft| &**tuft)));
     let name = inputs.attribute.trim();
-    let held = Held { scalp, keep_length: inputs.keep_length };
+    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let levels = |tuft: &Tuft, read: &[&Tuft]| -> Result<Vec<Middles>, NodeError> {
         let missing = || FieldFault::NoAttribute(name.to_owned());
         let first = match (&given, name) {
@@ -115,7 +115,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 return Ok([tuft.clone()]);
             }
             let levels = levels(tuft, read)?;
-            let bent = held.bend(tuft, piece, |hair, i, new| {
+            let bent = piece.bend(&route, tuft, |hair, i, new| {
                 if stray.unit(tuft.id(i), 0) < inputs.strays {
                     return;
                 }

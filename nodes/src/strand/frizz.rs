@@ -1,12 +1,12 @@
 //! Frizz: short random kinks, each hair's own.
 //!
 //! A hair walks across itself as strands of sketched clusters do (methods.md 6): a random step every so many centimetres, within a
-//! disc. Guarantees: those of `held.rs`; before lengths are kept no point goes farther aside than the amplitude says. Not promised:
+//! disc. Guarantees: those of `data/route`; before lengths are kept no point goes farther aside than the amplitude says. Not promised:
 //! kinks finer than a hair has points for, which is remarked.
 
-use super::held::Held;
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
+use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::EvalCx;
@@ -58,11 +58,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let step = inputs.step * unit;
     let (walk_dice, dice) =
         (cx.dice(inputs.seed, "frizz"), cx.dice(inputs.seed, "frizz of a hair"));
-    let held = Held { scalp, keep_length: inputs.keep_length };
+    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let amplitude = inputs.amplitude.in_cm(tuft, scalp, unit)?;
         let (mut frames, mut walk, mut steps) = (vec![], vec![], vec![]);
-        let bent = held.bend(tuft, piece, |hair, i, new| {
+        let bent = piece.bend(&route, tuft, |hair, i, new| {
             let (first, id) = (tuft.range(i).start, tuft.id(i));
             let own = 1.0 - inputs.variation * dice.unit(id, 0);
             let far = |k: usize| {
@@ -86,6 +86,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         })?;
         Ok([bent])
     })?;
-    super::hair::remark_coarse(cx, &inputs.curves, step, "the step from kink to kink");
+    super::coarse::remark_coarse(cx, &inputs.curves, step, "the step from kink to kink");
     Ok(Outputs { curves })
 }

@@ -1,4 +1,4 @@
-//! Laws of all modifiers of hair, on random curves, on hair of the ball, and on parted heads.
+//! Laws of all modifiers of hair, on random curves and on hair of the ball; on parted heads they are those of all nodes (`obeys.rs`).
 
 use crate::data::attributes::{COLOUR, Domain, FIBRE, ID, ROLL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -9,7 +9,7 @@ use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
 use crate::eval::{Log, Quality, Room};
 use crate::maths::hash::Dice;
-use crate::testing::{Memory, Threads, curves_of, head, run, run_on, shared_head};
+use crate::testing::{Memory, Threads, curves_of, run, run_on, with_points};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -226,9 +226,7 @@ fn more_hair_changes_none_that_was_there() {
 fn threads_change_nothing_and_an_edit_makes_one_tuft_again() {
     let hair = wild(20, 10, 6);
     let mut tufts = hair.tufts().to_vec();
-    let mut edit = tufts[7].edit();
-    edit.points_mut()[1].x += 0.5;
-    tufts[7] = edit.build().into();
+    tufts[7] = with_points(&tufts[7], |points| points[1].x += 0.5).into();
     let combed = Curves::new(tufts);
     for (id, _, much) in modifiers() {
         let node = crate::by_id(id).unwrap();
@@ -241,76 +239,6 @@ fn threads_change_nothing_and_an_edit_makes_one_tuft_again() {
         let log = Log::default();
         run_on(node, &set(&combed), &host, &log, Quality::Final).unwrap();
         assert_eq!(log.tufts_run.into_inner(), 1, "{id}");
-    }
-}
-
-/// How many roots lie in partings, hairs lead over one near their roots, and points lie in the head.
-fn faults(scalp: &Scalp, hair: &Curves) -> [BTreeSet<u64>; 2] {
-    let (sections, skin) = (scalp.sections().unwrap(), scalp.skin());
-    let mut faults = [const { BTreeSet::new() }; 2];
-    for (tuft, i) in hair.each() {
-        let points = tuft.curve(i);
-        if sections.is_over_line(&points[..points.len().min(8)]) {
-            faults[0].insert(tuft.id(i));
-        }
-        if points[1..].iter().any(|p| skin.distance(*p) < -1e-3) {
-            faults[1].insert(tuft.id(i));
-        }
-    }
-    faults
-}
-
-/// On a head parted into strips: hair that is laid on the skin and hair that stands.
-fn check_on(what: &str, whole: Arc<Scalp>) {
-    let set = [
-        ("scalp", Value::from(whole)),
-        ("pattern", "straight_back".into()),
-        ("count", Value::Int(6)),
-    ];
-    let Value::Scalp(scalp) = run(crate::by_id("partings").unwrap(), &set).0.remove(0) else {
-        panic!()
-    };
-    let up: &[(&'static str, Value)] =
-        &[("lie", Value::Float(80.0)), ("bend", Value::Float(0.0)), ("droop", Value::Float(0.0))];
-    for lie in [&[], up] {
-        let hair = grown(&scalp, 8.0, lie);
-        let before = faults(&scalp, &hair);
-        for (id, _, much) in modifiers() {
-            let on = [&[("scalp", Value::from(scalp.clone()))][..], &much].concat();
-            let (out, said) = run(
-                crate::by_id(id).unwrap(),
-                &[&[("curves", Value::from(hair.clone()))][..], &on].concat(),
-            );
-            let after = faults(&scalp, curves_of(&out[0]));
-            for (k, fault) in ["over partings", "in the head"].iter().enumerate() {
-                let new = after[k].difference(&before[k]).count();
-                assert_eq!(
-                    new,
-                    0,
-                    "{what}, {id} {much:?}: hairs {fault}, of {}",
-                    hair.curve_count()
-                );
-            }
-            let moved = by_id(&hair);
-            let moved =
-                curves_of(&out[0]).each().filter(|(t, i)| moved[&t.id(*i)] != t.curve(*i)).count();
-            println!("{what}, {id}: {moved} of {} moved; {said:?}", hair.curve_count());
-            assert!(moved * 5 > hair.curve_count(), "{what}, {id} {much:?}: {moved} moved");
-        }
-    }
-}
-
-#[test]
-fn bent_hair_stays_out_of_the_skin_and_in_its_section_on_the_built_in_head() {
-    check_on("the built-in head", head(&[]));
-}
-
-#[test]
-fn bent_hair_stays_out_of_the_skin_and_in_its_section_on_heads_of_others() {
-    for name in ["lps_head/LeePerrySmith.glb", "ict_head/generic_neutral_mesh.obj"] {
-        if let Some(scalp) = shared_head("bent hair on heads of others", name, &[]) {
-            check_on(name, scalp);
-        }
     }
 }
 

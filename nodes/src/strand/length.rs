@@ -5,10 +5,10 @@
 //! deeper in the skin than the hair allows, and no hair is led over a parting that did not lead over one. Lengths are right to 1e-3
 //! of themselves, but where the skin pushes.
 
-use super::held::Held;
 use super::shorten::{Shortened, grow_on};
 use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::{Curves, Tuft};
+use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
@@ -103,6 +103,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let pieces = ("pieces between points that come in", pieces as f64);
         cx.may_make(&Size::of(&[pieces, ("share less variation", times)]))?;
     }
+    let route = Route::new(scalp, Policy::keep_length(false));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let field = match inputs.by {
             By::Share => inputs.share.on(tuft, scalp)?,
@@ -119,8 +120,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 Change::Lengthen => asked.max(length),
             }
         };
-        let held = Held { scalp, keep_length: false };
-        Ok([relength(tuft, wanted, inputs.way, &held, piece)?])
+        Ok([relength(tuft, wanted, inputs.way, &route, piece)?])
     })?;
     let gone = inputs.curves.curve_count() - curves.curve_count();
     if gone > 0 {
@@ -134,7 +134,7 @@ fn relength(
     tuft: &Tuft,
     wanted: impl Fn(usize, f32) -> f32,
     way: Way,
-    held: &Held,
+    route: &Route,
     piece: &mut Piece,
 ) -> Result<Tuft, NodeError> {
     let mut spline = Spline::default();
@@ -149,7 +149,6 @@ fn relength(
     if !changes {
         return Ok(tuft.clone());
     }
-    let skin = held.scalp.map(Scalp::skin);
     let depths = tuft.view(ALLOW_DEPTH);
     let mut out = Shortened::new(tuft);
     let mut points: Vec<Vec3> = vec![];
@@ -170,18 +169,16 @@ fn relength(
         if is_right(wanted, length) {
             out.keep(i);
         } else if way == Way::Cut && wanted < length {
-            out.cut(i, &spline, wanted, |p, span| {
-                skin.as_ref().map_or(p, |skin| skin.lift_exactly(p, -depth(span)).0)
-            });
+            out.cut(i, &spline, wanted, |p, span| route.between(p, depth(span)));
         } else {
             points.clear();
             points.extend_from_slice(old);
             let settled = if way == Way::Scale {
                 points.iter_mut().for_each(|p| *p = old[0] + (*p - old[0]) * share);
-                held.settle(old, &mut points, depth, skin.as_ref())
+                route.settle(old, &mut points, depth)
             } else {
                 grow_on(&spline, &mut points, wanted - length);
-                held.settle_beyond(old, &mut points, depth, skin.as_ref())
+                route.settle_beyond(old, &mut points, depth)
             };
             match settled {
                 Ok(()) => out.grown(i, &points, share),

@@ -4,10 +4,10 @@
 //! belongs together hangs from each hair's root or attribute alone, and a tuft reads no other: so more hair, which makers add behind
 //! what there is, changes no clump, and an edit none in other tufts. Clumps never reach over a parting.
 
-use super::hair::Hair;
 use super::seeds::Seeds;
 use crate::data::attributes::{PARENT, SCALP_NORMAL};
 use crate::data::curves::{Tuft, View};
+use crate::data::route::hair::Hair;
 use crate::data::scalp::{HeadFrame, Scalp};
 use crate::maths::nearest::Nearest;
 use crate::maths::spline::Spline;

@@ -1,14 +1,13 @@
 //! Strands: modifiers of hair, whatever made it. Each takes curves and gives the same curves, bent or cut.
 //!
-//! What they share: `hair.rs` (a hair as they read it), `held.rs` (roots, lengths, skin and partings after a change), `seeds.rs` and
-//! `waves.rs` (places and numbers drawn in space). A node file reads inputs, calls these and sets its output.
+//! What they share: `data/route` (a hair as they read it; roots, lengths, skin and partings after a change), `seeds.rs` and `waves.rs`
+//! (places and numbers drawn in space). A node file reads inputs, calls these and sets its output.
 
 use crate::define::NodeDef;
 
 mod clump;
+mod coarse;
 mod frizz;
-mod hair;
-mod held;
 #[cfg(test)]
 mod laws;
 mod length;

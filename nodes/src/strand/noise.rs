@@ -1,13 +1,13 @@
 //! Noise: hair that waves, all of it together as wind and sleep do it, or each hair on its own.
 //!
-//! Guarantees: those of `held.rs`; before lengths are kept no point goes farther aside than the amplitude says. Not promised: waves
+//! Guarantees: those of `data/route`; before lengths are kept no point goes farther aside than the amplitude says. Not promised: waves
 //! finer than a hair has points for, which is remarked.
 
-use super::hair::Hair;
-use super::held::Held;
 use super::waves::Waves;
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
+use crate::data::route::hair::Hair;
+use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::EvalCx;
@@ -79,10 +79,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         None => waves.in_space(p / wavelength),
     };
-    let held = Held { scalp, keep_length: inputs.keep_length };
+    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let amplitude = inputs.amplitude.in_cm(tuft, scalp, unit)?;
-        let bent = held.bend(tuft, piece, |hair, i, new| {
+        let bent = piece.bend(&route, tuft, |hair, i, new| {
             let first = tuft.range(i).start;
             let far = |k: usize| {
                 let u = hair.u(k);
@@ -98,7 +98,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         })?;
         Ok([bent])
     })?;
-    super::hair::remark_coarse(cx, &inputs.curves, 0.5 * wavelength, "half the wavelength");
+    super::coarse::remark_coarse(cx, &inputs.curves, 0.5 * wavelength, "half the wavelength");
     Ok(Outputs { curves })
 }
 

@@ -1,13 +1,13 @@
 //! Stray: single hairs that leave the others.
 //!
-//! Guarantees: those of `held.rs`; which hairs leave hangs from their ids alone, and a higher share only adds some; before lengths
+//! Guarantees: those of `data/route`; which hairs leave hangs from their ids alone, and a higher share only adds some; before lengths
 //! are kept no point goes farther aside than the distance says.
 
-use super::held::Held;
 use super::waves::Waves;
 use crate::data::attributes::SCALP_NORMAL;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::ramp::Ramp;
+use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::EvalCx;
@@ -57,12 +57,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let unit = cx.head_unit(scalp, inputs.scale_with_head);
     let dice = cx.dice(inputs.seed, "stray");
     let waves = Waves { dice: cx.dice(inputs.seed, "stray wave"), octaves: 2, roughness: 0.4 };
-    let held = Held { scalp, keep_length: inputs.keep_length };
+    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let (share, distance) =
             (inputs.share.on(tuft, scalp)?, inputs.distance.in_cm(tuft, scalp, unit)?);
         let mut frames = vec![];
-        let bent = held.bend(tuft, piece, |hair, i, new| {
+        let bent = piece.bend(&route, tuft, |hair, i, new| {
             let (first, id) = (tuft.range(i).start, tuft.id(i));
             if dice.unit(id, 0) >= share.at(i, first, 0.0) {
                 return;

@@ -8,8 +8,8 @@
 //! torn of them is torn still, the hair is laid on the shortest way round (`shortest_path.rs`). Not promised: that there is one; past the
 //! skin's patience, and on a rough mesh (`rough.rs`), none is looked for.
 
-use super::scalp::Skin;
 use super::shortest_path::way_round;
+use crate::data::skin::Skin;
 use glam::Vec3;
 
 /// How far the edge of a thin part is looked for, cm: more than half an ear.
@@ -23,13 +23,13 @@ const SOFTLY: f32 = 3.0;
 /// When the skin has torn two neighbours apart: they have come to lie more than so many times as far from each other as
 /// before, and so much farther (cm).
 #[derive(Clone, Copy, Debug)]
-pub struct Torn(f32, f32);
+pub(crate) struct Torn(f32, f32);
 
 impl Torn {
     /// What anyone would see.
-    pub const APART: Self = Self(1.5, 0.1);
+    pub(crate) const APART: Self = Self(1.5, 0.1);
     /// What makes chords uneven.
-    pub const UNEVEN: Self = Self(1.1, 0.01);
+    pub(crate) const UNEVEN: Self = Self(1.1, 0.01);
 }
 
 /// So many points about which the field alone is asked cost as much as a look at the skin.
@@ -47,13 +47,17 @@ const CROWDED: f32 = 1.25;
 impl Skin<'_> {
     /// Sets a hair clear of the skin, all but its first point. `depth` says how deep (cm) each may lie; none where a point
     /// is known to be clear. Tells whether any point was moved.
-    pub fn clear(&self, points: &mut [Vec3], depth: impl Fn(usize) -> Option<f32>) -> bool {
+    pub(in crate::data) fn clear(
+        &self,
+        points: &mut [Vec3],
+        depth: impl Fn(usize) -> Option<f32>,
+    ) -> bool {
         self.clear_noting(points, depth, |_, _, _| {})
     }
 
     /// [`Self::clear`] that notes what was found out about the air on a mesh where each point asks the skin alone: for which point, and
     /// the middle and the radius (cm) of a ball about it that holds no skin.
-    pub fn clear_noting(
+    pub(in crate::data) fn clear_noting(
         &self,
         points: &mut [Vec3],
         depth: impl Fn(usize) -> Option<f32>,
@@ -66,7 +70,7 @@ impl Skin<'_> {
     }
 
     /// [`Self::clear`] that leads round whatever tears the hair so far.
-    pub fn clear_beyond(
+    pub(in crate::data) fn clear_beyond(
         &self,
         far: Torn,
         points: &mut [Vec3],
@@ -258,7 +262,12 @@ impl Skin<'_> {
 
     /// The shortest way from `middle` out of a thin part, across a hair that runs `along` and whose points were torn apart
     /// along `through`.
-    pub(crate) fn way_out(&self, middle: Vec3, through: Vec3, along: Vec3) -> Option<Vec3> {
+    pub(in crate::data) fn way_out(
+        &self,
+        middle: Vec3,
+        through: Vec3,
+        along: Vec3,
+    ) -> Option<Vec3> {
         let across = through.cross(along).normalize_or_zero();
         if across == Vec3::ZERO {
             return None;

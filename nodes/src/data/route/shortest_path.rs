@@ -6,7 +6,7 @@
 //! every machine. Not promised: a way that leaves the box about both ends by more than [`MARGIN`], or through gaps narrower than
 //! the lattice; there is none then.
 
-use super::scalp::Skin;
+use crate::data::skin::Skin;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -170,7 +170,7 @@ fn tight(way: &[Vec3], is_free: impl Fn(Vec3) -> bool) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::skin_clear::tests::bust;
+    use crate::data::route::skin_clear::tests::bust;
 
     #[test]
     fn a_way_leads_round_an_ear_and_keeps_off_it() {

@@ -8,9 +8,9 @@
 //! which hair is kept is approached smoothly, so that hair lies along it and does not pile up. Not promised: anything for hair
 //! higher off the skin than [`FREE`], which passes over partings.
 
-use super::chart::{CELL, around, cell_of};
-use super::scalp::{Root, Scalp};
-use super::sections::{NONE, Place, Sections};
+use crate::data::chart::{CELL, around, cell_of};
+use crate::data::scalp::{Root, Scalp};
+use crate::data::sections::{NONE, Place, Sections};
 use crate::maths::closest::Surface;
 use crate::maths::{nearest_on, smoothstep};
 use glam::Vec3;
@@ -18,7 +18,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
 /// Hair this high off the skin passes over partings; what is lower than half of it lies on the skin, cm.
-pub const FREE: f32 = 0.7;
+pub(crate) const FREE: f32 = 0.7;
 /// Beyond this (cm) a cell's own distance tells that no parting is near a point in it: its diagonal, and a half more.
 const NEAR: f32 = 0.24;
 /// A piece of hair nearer to a parting than such a share of half its bare skin touches it.
@@ -35,7 +35,7 @@ const ON_WAY: usize = 17;
 const PULLS: usize = 24;
 
 /// The ways through a section to one of its points.
-pub struct Ways<'a> {
+pub(crate) struct Ways<'a> {
     home: Home<'a>,
     to: Vec3,
     /// The next cell on the way from each.
@@ -44,7 +44,7 @@ pub struct Ways<'a> {
 
 /// The section that a hair is rooted in.
 #[derive(Clone, Copy)]
-pub struct Home<'a> {
+pub(crate) struct Home<'a> {
     scalp: &'a Scalp,
     sections: &'a Sections,
     number: u32,
@@ -52,14 +52,14 @@ pub struct Home<'a> {
 
 impl Scalp {
     /// The section under a root; none where the scalp is not parted, or not there, or where no map shows it.
-    pub fn home(&self, root: Vec3) -> Option<Home<'_>> {
+    pub(crate) fn home(&self, root: Vec3) -> Option<Home<'_>> {
         let sections = self.sections().filter(|all| !all.are_of_a_mesh())?;
         let number = sections.at(root)?.section;
         Some(Home { scalp: self, sections, number })
     }
 
     /// The section that a root counts to, also where it lies beyond the edge of the map.
-    pub fn home_of(&self, root: &Root) -> Option<Home<'_>> {
+    pub(crate) fn home_of(&self, root: &Root) -> Option<Home<'_>> {
         let sections = self.sections().filter(|all| !all.are_of_a_mesh())?;
         let number = sections.of(root)?;
         Some(Home { scalp: self, sections, number })
@@ -77,7 +77,7 @@ impl Home<'_> {
     }
 
     /// Whether a point lies in the section, or so high that it lies in none.
-    pub fn holds(&self, p: Vec3) -> bool {
+    pub(crate) fn holds(&self, p: Vec3) -> bool {
         self.is_clear(p) || {
             let hit = self.scalp.skin().closest_within(p, FREE);
             hit.is_none_or(|hit| self.within(hit.point) >= 0.0)
@@ -85,12 +85,12 @@ impl Home<'_> {
     }
 
     /// Whether the section lies under a point, however far.
-    pub fn is_under(&self, p: Vec3) -> bool {
+    pub(crate) fn is_under(&self, p: Vec3) -> bool {
         self.sections.of_point(p) == Some(self.number)
     }
 
     /// Whether a hair leads over a parting on the skin.
-    pub fn passes(&self, hair: &[Vec3]) -> bool {
+    pub(crate) fn passes(&self, hair: &[Vec3]) -> bool {
         self.sections.is_over_line(hair)
     }
 
@@ -115,9 +115,32 @@ impl Home<'_> {
         self.sections.clear(cell) > least
     }
 
+    /// One step of a hair kept in the section: `p`, or what `then` makes of the point beside it that is, for straight to the side may be
+    /// into the head. `near` is a triangle of the head near it, and becomes the nearest.
+    pub(crate) fn keep(&self, p: Vec3, near: &mut u32, then: impl FnOnce(Vec3) -> Vec3) -> Vec3 {
+        match self.kept(p, near) {
+            Some(kept) if kept != p => then(kept),
+            _ => p,
+        }
+    }
+
+    /// [`Self::keep`] of points of a hair, each with its number, from a triangle near the first on; `then` is given the number, where the
+    /// point was and where it is kept.
+    pub(crate) fn lead<'p>(
+        &self,
+        points: impl IntoIterator<Item = (usize, &'p mut Vec3)>,
+        mut near: u32,
+        then: impl Fn(usize, Vec3, Vec3) -> Vec3,
+    ) {
+        for (k, p) in points {
+            let was = *p;
+            *p = self.keep(was, &mut near, |kept| then(k, was, kept));
+        }
+    }
+
     /// `p`, or where it lies on the skin in another section or on a parting, the point beside it that does not; `near` is a
     /// triangle of the head near it, and becomes the nearest. None where none is found.
-    pub fn kept(&self, p: Vec3, near: &mut u32) -> Option<Vec3> {
+    pub(in crate::data) fn kept(&self, p: Vec3, near: &mut u32) -> Option<Vec3> {
         if self.is_clear(p) {
             return Some(p);
         }
@@ -169,7 +192,7 @@ impl Home<'_> {
     }
 
     /// Whether a piece of hair on the skin crosses a parting, or comes so near to it that who looks may say so.
-    pub fn crosses(&self, from: Vec3, to: Vec3) -> bool {
+    pub(crate) fn crosses(&self, from: Vec3, to: Vec3) -> bool {
         // A long piece may pass over a tongue of another section between two points that are far from it.
         let half = 0.5 * from.distance(to);
         if self.is_clear_by(half, from) && self.is_clear_by(half, to) {
@@ -191,7 +214,7 @@ impl Home<'_> {
     }
 
     /// Whether the straight way between two points of the scalp keeps to the section.
-    pub fn is_straight(&self, from: Vec3, to: Vec3) -> bool {
+    pub(crate) fn is_straight(&self, from: Vec3, to: Vec3) -> bool {
         let chart = self.scalp.chart();
         let (p, q) = (chart.flat(from), chart.flat(to));
         let steps = (p.distance(q) / CELL).ceil().clamp(1.0, 400.0);
@@ -204,7 +227,7 @@ impl Home<'_> {
 
 impl<'a> Home<'a> {
     /// The ways to a point of the section.
-    pub fn ways(&self, to: Vec3) -> Ways<'a> {
+    pub(crate) fn ways(&self, to: Vec3) -> Ways<'a> {
         let chart = self.scalp.chart();
         let mut far: BTreeMap<u32, f32> = BTreeMap::new();
         let mut next = BTreeMap::new();
@@ -238,7 +261,7 @@ impl<'a> Home<'a> {
 
 impl Ways<'_> {
     /// The way from a point of the scalp, at even parts of it; none where none leads from there.
-    pub fn from(&self, from: Vec3) -> Option<Vec<Vec3>> {
+    pub(crate) fn from(&self, from: Vec3) -> Option<Vec<Vec3>> {
         let chart = self.home.scalp.chart();
         let own = cell_of(chart.flat(from))?;
         let known = |cell: &usize| self.next.contains_key(&(*cell as u32));

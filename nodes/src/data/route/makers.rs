@@ -1,0 +1,121 @@
+//! Where hair that is being made may lie: what nodes ask that grow it, lay it or comb it point by point.
+//!
+//! A maker knows why a point goes where it goes, and holds it out of the skin as it goes on. These are its steps; each is a wish of one
+//! point or one whole hair. They write no hair: who moves hair that exists goes by [`Route`](super::Route).
+//!
+//! Guarantees: a point or hair ends no lower than asked, as far as the skin's patience goes; what is high enough stays, to the last bit.
+//! Not promised: that what is made keeps to its section, which [`Home::lead`] is for; a test over all nodes holds makers to it.
+//!
+//! [`Home::lead`]: super::section_guard::Home::lead
+
+use super::skin_clear::Torn;
+use crate::data::skin::Skin;
+use crate::maths::spline::Spline;
+use glam::Vec3;
+
+/// `p`, or where it is lower, the nearest point at a height (cm, negative: a depth that is allowed) over the skin; and whether it was
+/// moved.
+#[inline]
+pub(crate) fn lift(skin: &Skin, p: Vec3, height: f32) -> (Vec3, bool) {
+    skin.lift(p, height)
+}
+
+/// [`lift`] of points, each by its number to its own height.
+#[inline]
+pub(crate) fn lift_each<'p>(
+    skin: &Skin,
+    points: impl IntoIterator<Item = &'p mut Vec3>,
+    height: impl Fn(usize) -> f32,
+) {
+    for (k, p) in points.into_iter().enumerate() {
+        *p = skin.lift(*p, height(k)).0;
+    }
+}
+
+/// [`lift`] of all that [`Skin::distance`] tells to be lower: beside ears and among folds the field alone may pass over a thin wall,
+/// and what is put out of one may end in another. Where the skin is near it costs a search more.
+pub(crate) fn lift_exactly(skin: &Skin, p: Vec3, height: f32) -> (Vec3, bool) {
+    skin.lift_exactly(p, height)
+}
+
+/// [`lift`] as far as the field knows, which is right to half a cell: for rounds that come nearer and nearer.
+#[inline]
+pub(crate) fn lift_about(skin: &Skin, p: Vec3, height: f32) -> Vec3 {
+    skin.lift_about(p, height)
+}
+
+/// Sets a whole hair clear of the skin, all but its first point, and leads it round what would tear it. `depth` says how deep (cm) each
+/// may lie; none where a point is known to be clear. Tells whether any was moved.
+pub(crate) fn clear(
+    skin: &Skin,
+    points: &mut [Vec3],
+    depth: impl Fn(usize) -> Option<f32>,
+) -> bool {
+    skin.clear(points, depth)
+}
+
+/// [`clear`] that notes what was found out about the air on a mesh where each point asks the skin alone: for which point, and the middle
+/// and the radius (cm) of a ball about it that holds no skin.
+pub(crate) fn clear_noting(
+    skin: &Skin,
+    points: &mut [Vec3],
+    depth: impl Fn(usize) -> Option<f32>,
+    note: impl FnMut(usize, Vec3, f32),
+) -> bool {
+    skin.clear_noting(points, depth, note)
+}
+
+/// [`clear`] that leads round whatever tears the hair so far.
+pub(crate) fn clear_beyond(
+    skin: &Skin,
+    far: Torn,
+    points: &mut [Vec3],
+    depth: impl Fn(usize) -> Option<f32>,
+) -> bool {
+    skin.clear_beyond(far, points, depth)
+}
+
+/// The shortest way from `middle` out of a thin part, across a hair that runs `along` and whose points were torn apart along `through`.
+pub(crate) fn way_out(skin: &Skin, middle: Vec3, through: Vec3, along: Vec3) -> Option<Vec3> {
+    skin.way_out(middle, through, along)
+}
+
+/// Sets a hair of even chords clear of the skin, but for points that are known not to be `near` it. Where one was moved, each chord gets
+/// its length once more, from the root on, the hair is cleared again, and spaced evenly where the skin disturbed that.
+pub(crate) fn rest_evenly(
+    skin: &Skin,
+    points: &mut [Vec3],
+    near: &[bool],
+    depth: f32,
+    spline: &mut Spline,
+) {
+    let may_be = |k: usize| near[k].then_some(depth);
+    if !(1..points.len()).any(|k| near[k] && skin.push_out(points[k], depth).1) {
+        return;
+    }
+    let chords: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
+    skin.clear(points, may_be);
+    for k in 1..points.len() {
+        let along = (points[k] - points[k - 1]).normalize_or_zero();
+        points[k] = points[k - 1] + along * chords[k - 1];
+    }
+    skin.clear(points, |_| Some(depth));
+    for _ in 0..4 {
+        if is_even(points) || spline.rebuild(points).is_err() {
+            break;
+        }
+        let last = points.len() - 1;
+        for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
+            *p = spline.at(k as f32 / last as f32);
+        }
+        skin.clear(points, |_| Some(depth));
+    }
+}
+
+/// Whether adjacent points are spaced within 1.2 : 1 (methods.md 0).
+fn is_even(points: &[Vec3]) -> bool {
+    points.windows(3).all(|w| {
+        let (a, b) = (w[0].distance_squared(w[1]), w[1].distance_squared(w[2]));
+        a <= b * 1.44 && b <= a * 1.44
+    })
+}

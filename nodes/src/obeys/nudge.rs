@@ -1,0 +1,115 @@
+//! A node as anyone adds one who moves hair, and the laws that hold for it without its doing.
+
+use super::{Bench, faults};
+use crate::data::attributes::{Domain, ID};
+use crate::data::curves::{Curves, TuftBuilder};
+use crate::data::route::{Policy, Route};
+use crate::data::scalp::tests::shared_ball;
+use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
+use crate::define::{NodeError, Value, node};
+use crate::eval::EvalCx;
+use crate::maths::closest::tests::sphere;
+use crate::testing::{curves_of, run};
+use glam::Vec3;
+use std::sync::Arc;
+
+node! {
+    /// Moves every point of hair anywhere.
+    "nudge", version 1, label "Nudge", words "test";
+    inputs {
+        /// Hair to change.
+        curves: Curves;
+        /// Head that the hair stays out of.
+        scalp: Option<Arc<Scalp>>;
+        /// The most by which a point is moved along each axis.
+        far: f32 = 20.0, hard(0.0, 100.0), unit(Length);
+        /// Keep the length of every segment.
+        keep_length: bool = true;
+        /// Scale lengths with the size of the head.
+        scale_with_head: bool = true;
+        /// Random seed for this node.
+        seed: i64 = 0;
+    }
+    outputs {
+        /// The hair, moved.
+        curves: Curves;
+    }
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = inputs.scalp.as_deref();
+    let far = inputs.far * cx.head_unit(scalp, inputs.scale_with_head);
+    let dice = cx.dice(inputs.seed, "nudge");
+    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
+    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
+        let nudged = piece.bend(&route, tuft, |_, i, new| {
+            let by = |k: u64| Vec3::from([0, 1, 2].map(|a| dice.signed(tuft.id(i), 3 * k + a)));
+            (0..).zip(new).for_each(|(k, p)| *p += by(k) * far);
+        })?;
+        Ok([nudged])
+    })?;
+    Ok(Outputs { curves })
+}
+
+fn nudged(hair: &Curves, set: &[(&'static str, Value)]) -> Curves {
+    let given = [("curves", Value::from(hair.clone()))];
+    curves_of(&run(&NODE, &[&given[..], set].concat()).0[0]).clone()
+}
+
+/// Hair of all makers that is moved anywhere on a head obeys, and keeps its roots, ids and what is known of it.
+pub(super) fn check(bench: &Bench, broken: &mut Vec<String>) {
+    let hair = bench.hair();
+    assert!(hair.curve_count() > 300, "{}: {}", bench.name, hair.curve_count());
+    for (far, keep) in [(20.0, true), (20.0, false), (0.5, true)] {
+        let on = ("scalp", Value::from(bench.scalp.clone()));
+        let set = [on, ("far", Value::Float(far)), ("keep_length", keep.into())];
+        let after = nudged(&hair, &set);
+        let what = format!("{}, {far} cm, lengths kept: {keep}", bench.name);
+        let found = faults(&bench.scalp, &after);
+        broken.extend(found.iter().map(|(law, count)| format!("{what}: {count} hairs {law}")));
+        let mut moved = 0;
+        for ((a, i), (b, j)) in hair.each().zip(after.each()) {
+            let (old, new) = (a.curve(i), b.curve(j));
+            assert_eq!((old[0], old.len(), a.id(i)), (new[0], new.len(), b.id(j)), "{what}");
+            assert_eq!(a.attributes().len(), b.attributes().len(), "{what}");
+            moved += usize::from(old != new);
+        }
+        println!("{what}: {moved} of {}", hair.curve_count());
+        assert!(moved * 3 > hair.curve_count(), "{what}: {moved} moved");
+    }
+}
+
+/// Straight hairs in the air over the ball, on a head so many times as large.
+fn over(times: f32) -> Curves {
+    let mut b = TuftBuilder::new();
+    for i in 0..200 {
+        let root = Vec3::new(0.1 * i as f32 - 10.0, 14.0, 0.07 * i as f32) * times;
+        let at = |k: u32| root + Vec3::new(0.1, 1.0, 0.0) * (0.5 * times * k as f32);
+        b.push_curve(&(0..12).map(at).collect::<Vec<_>>());
+    }
+    b.set(ID, Domain::Curve, (1..=200).collect());
+    Curves::new(vec![b.build().into()])
+}
+
+#[test]
+fn lengths_are_kept_and_a_head_twice_as_large_moves_hair_twice_as_far() {
+    let surface = sphere(2.0 * HEAD_RADIUS, 48);
+    let region = surface.points.iter().map(|p| f32::from(p.y > 0.0)).collect();
+    let frame = HeadFrame { radius: 2.0 * HEAD_RADIUS, ..HeadFrame::IDENTITY };
+    let large = Arc::new(Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into()));
+    for keep in [true, false] {
+        let on = |scalp: Arc<Scalp>| {
+            [("scalp", scalp.into()), ("keep_length", keep.into()), ("far", Value::Float(3.0))]
+        };
+        let small = nudged(&over(1.0), &on(shared_ball()));
+        let large = nudged(&over(2.0), &on(large.clone()));
+        for ((a, i), (b, _)) in small.each().zip(large.each()) {
+            let twice: Vec<Vec3> = a.curve(i).iter().map(|p| *p * 2.0).collect();
+            assert_eq!(twice, b.curve(i));
+            for w in a.curve(i).windows(2).filter(|_| keep) {
+                let was = 0.5 * 1.01f32.sqrt();
+                assert!((w[0].distance(w[1]) / was - 1.0).abs() < 1e-4, "{w:?}");
+            }
+        }
+    }
+}
