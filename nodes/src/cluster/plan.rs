@@ -351,7 +351,7 @@ impl Finder<'_> {
         if let Some(cut) = self.forest.cut {
             places.clear();
             rooted.retain(|(_, root)| {
-                let Some(place) = cut.at(root.point).filter(|place| place.free) else {
+                let Some(place) = cut.at_root(root).filter(|place| place.free) else {
                     return false;
                 };
                 let tree = place.section as usize;

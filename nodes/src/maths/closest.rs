@@ -300,14 +300,21 @@ impl Surface {
     /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, or folds into itself as scans do, an
     /// edge or a corner does not tell the sides apart: what seems deep inside such a one is looked at from there.
     pub fn signed_distance(&self, p: Vec3, hit: &Hit) -> f32 {
-        let side = (p - hit.point).dot(self.pseudo_normal(hit));
-        if side >= 0.0 {
-            return hit.distance;
+        let distance = self.distance_by_side(p, hit);
+        if distance >= 0.0 {
+            return distance;
         }
         let at_edge = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
         let doubtful =
             hit.distance > DOUBTFUL && !self.is_tangled() && at_edge.iter().any(|w| *w <= ON);
-        if doubtful && !self.sees_backs(p) { hit.distance } else { -hit.distance }
+        if doubtful && !self.sees_backs(p) { hit.distance } else { distance }
+    }
+
+    /// The distance of `p` from its closest point `hit`, negative on the back of the triangle, edge or corner that it lies on.
+    #[inline]
+    pub fn distance_by_side(&self, p: Vec3, hit: &Hit) -> f32 {
+        let side = (p - hit.point).dot(self.pseudo_normal(hit));
+        if side >= 0.0 { hit.distance } else { -hit.distance }
     }
 
     /// Whether most ways from a point meet the back of the surface first, which is how it looks from inside.

@@ -97,6 +97,8 @@ impl Spline {
         self.lengths.push(0.0);
         let mut total = 0.0f64;
         for span in &self.spans {
+            let speed = |sub: usize| derivative(span, sub as f32 / SUBS as f32).length();
+            let mut before = speed(0);
             for sub in 0..SUBS {
                 let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
                 let at = |part: usize| t0 + (t1 - t0) * (part as f32 / parts as f32);
@@ -104,7 +106,9 @@ impl Spline {
                     total += f64::from(arc_length(span, at(part), at(part + 1)));
                 }
                 self.lengths.push(total as f32);
-                self.speeds.push((derivative(span, t0).length(), derivative(span, t1).length()));
+                let after = speed(sub + 1);
+                self.speeds.push((before, after));
+                before = after;
             }
         }
         if total > 0.0 && total.is_finite() { Ok(()) } else { Err(CurveFault::NoLength) }
