@@ -74,8 +74,8 @@ impl<'a> Skin<'a> {
         self.patience.map_or(usize::MAX, |patience| patience.left() as usize)
     }
 
-    /// Whether nothing has an inside: then no place is in the skin.
-    fn has_no_inside(&self) -> bool {
+    /// Whether nothing has an inside, as where the mesh is strewn or a tangle: then no place is in the skin.
+    pub fn has_no_inside(&self) -> bool {
         matches!(self.rough, Some(Rough::Tangled | Rough::Strewn))
     }
 

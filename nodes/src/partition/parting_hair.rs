@@ -412,9 +412,11 @@ pub(crate) fn way(
         from.lerp(middle, s).lerp(middle.lerp(to, s), s)
     };
     let mut feeler = Feeler { skin: &rules.skin, near: root.triangle };
-    let end_height = feeler.height(end);
+    // Among scraps there is nothing to lie on: from root to end it goes through the air.
+    let lies = !rules.skin.has_no_inside();
+    let end_height = if lies { feeler.height(end) } else { 0.0 };
     // On a bumpy scalp the smooth normal does not point exactly at the end.
-    let aside = end - feeler.laid(end, end_height).0;
+    let aside = if lies { end - feeler.laid(end, end_height).0 } else { Vec3::ZERO };
     feeler.near = root.triangle;
     // While the last verified point is farther inside than this, the next one cannot have left.
     let (mut known, mut sure) = (root.point, 0.0f32);
@@ -445,7 +447,10 @@ pub(crate) fn way(
             p = kept_at_home(rules, ground, p, 0.25 * rules.parting);
             (known, sure) = (p, (ground.margin(p) - 0.25 * rules.parting).min(SURE));
         }
-        points.push(feeler.laid(p, height).0 + aside * (s * s));
+        points.push(match lies {
+            true => feeler.laid(p, height).0 + aside * (s * s),
+            false => p + root.normal * height,
+        });
     }
     points.push(end);
     let mut spline = Spline::default();
