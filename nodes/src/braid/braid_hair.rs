@@ -213,7 +213,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let placed = cx.by_place(scalp);
     let [curves, extension] =
         placed.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
-            let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, for_hair.as_ref()) };
+            let filler =
+                Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, for_hair.as_ref()) };
             filler.fill(tuft, &of_row, piece)
         })?;
     let of_band = |n: usize| {

@@ -366,9 +366,9 @@ fn alike_chords(
     let mut chords: Vec<f32> = Vec::with_capacity(last);
     // Places the points at these arc lengths; gives the longest chord over the shortest.
     let sample = |wanted: &[f32],
-                      stops: &mut Vec<(f32, Place)>,
-                      points: &mut Vec<Vec3>,
-                      chords: &mut Vec<f32>|
+                  stops: &mut Vec<(f32, Place)>,
+                  points: &mut Vec<Vec3>,
+                  chords: &mut Vec<f32>|
      -> f32 {
         let mut cursor = 0;
         stops.clear();
