@@ -48,13 +48,13 @@ impl<'a> Skin<'a> {
         Skin { patience: Some(patience), ..self }
     }
 
-    /// The skin for hair by the thousand; none where the mesh is rough and not merely wide: there it takes many times as long to keep
-    /// hair out of what has no clear inside as to grow it. Guides are few, and ask it all the same.
+    /// The skin for hair by the thousand; none where there is no clear inside: there it takes many times as long to keep hair out of the
+    /// skin as to grow it. Guides are few, and ask it all the same.
     pub fn for_hair(self) -> Option<Self> {
         self.has_clear_inside().then_some(self)
     }
 
-    /// Whether the mesh is not rough, or merely wide.
+    /// Whether there is a side that is clearly in: the mesh is not rough, or merely wide.
     pub fn has_clear_inside(&self) -> bool {
         matches!(self.rough, None | Some(Rough::Wide))
     }
@@ -146,6 +146,9 @@ impl<'a> Skin<'a> {
     /// Whether the field alone tells that `p` is farther than `height` (cm) outside. False says nothing.
     #[inline]
     pub fn stands_off(&self, p: Vec3, height: f32) -> bool {
+        if self.asks_alone() {
+            return self.field.far(self.surface, p) > height.max(0.0);
+        }
         (self.rough.is_some() || self.surface.parts_in_from_out())
             && self.field.is_clear(self.surface, p, height.max(0.0))
     }
