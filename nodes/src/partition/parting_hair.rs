@@ -186,6 +186,14 @@ impl Reach {
             ..a
         })
     }
+    /// What lies beside the nearer of the surrounding samples that has anything.
+    fn about(&self, u: f32, side: i32) -> Option<Beside> {
+        let list = &self.sides[usize::from(side > 0)];
+        let x = (u - self.from) * self.per_u;
+        let i = (x as usize).min(list.len() - 2);
+        let (a, b) = (list[i], list[i + 1]);
+        if x - i as f32 <= 0.5 { a.or(b) } else { b.or(a) }
+    }
     /// Whether there is no territory on a side near `u`.
     fn is_bare(&self, u: f32, side: i32) -> bool {
         let list = &self.sides[usize::from(side > 0)];
@@ -280,7 +288,11 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
         }
         None if reach.is_bare(wish.u, wish.side) => return None,
         None => {
-            let found = beside(rules, ground, wish.u, wish.side)?;
+            // Among scraps and folds hardly two samples agree: one of them will do.
+            let found = match rules.for_hair {
+                Some(_) => beside(rules, ground, wish.u, wish.side)?,
+                None => reach.about(wish.u, wish.side)?,
+            };
             let station = Station::with_normal(ground.own, wish.u, found.normal);
             let t = wish.mediate.min(found.most);
             (station, place(rules, ground, &station, &found, t)?.0)
