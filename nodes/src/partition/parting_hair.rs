@@ -273,7 +273,9 @@ fn place(
 
 /// The root of a hair; `None` if there is no territory on that side, or none that is the row's own.
 pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) -> Option<Start> {
-    let (station, root) = match reach.at(wish.u, wish.side) {
+    // Among scraps and folds hardly two samples agree: one of them will do.
+    let one = || reach.about(wish.u, wish.side).filter(|_| rules.for_hair.is_none());
+    let (station, root) = match reach.at(wish.u, wish.side).or_else(one) {
         Some(found) => {
             let station = Station::with_normal(ground.own, wish.u, found.normal);
             let t = wish.mediate.min(found.most);
@@ -288,11 +290,7 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
         }
         None if reach.is_bare(wish.u, wish.side) => return None,
         None => {
-            // Among scraps and folds hardly two samples agree: one of them will do.
-            let found = match rules.for_hair {
-                Some(_) => beside(rules, ground, wish.u, wish.side)?,
-                None => reach.about(wish.u, wish.side)?,
-            };
+            let found = beside(rules, ground, wish.u, wish.side)?;
             let station = Station::with_normal(ground.own, wish.u, found.normal);
             let t = wish.mediate.min(found.most);
             (station, place(rules, ground, &station, &found, t)?.0)
