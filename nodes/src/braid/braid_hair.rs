@@ -19,7 +19,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
-use crate::data::scalp::Scalp;
+use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{KeyBuilder, curve_id};
@@ -151,7 +151,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     })?;
     let braids: Vec<OnceLock<Option<Braid>>> = (0..of_strands).map(|_| OnceLock::new()).collect();
     let skin = scalp.map(|scalp| cx.skin(scalp));
-    let skin = skin.as_ref();
+    let (skin, for_hair) = (skin.as_ref(), skin.and_then(Skin::for_hair));
     let manner = Manner {
         settling: inputs.settling,
         frizz: inputs.frizz,
@@ -213,7 +213,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let placed = cx.by_place(scalp);
     let [curves, extension] =
         placed.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
-            let filler = Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, skin) };
+            let filler =
+                Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, for_hair.as_ref()) };
             filler.fill(tuft, &of_row, piece)
         })?;
     let of_band = |n: usize| {

@@ -104,6 +104,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         count: (inputs.by == By::Count).then_some(inputs.count as usize),
         density: inputs.density / (unit * unit),
         mask: &inputs.mask,
+        points: inputs.points as usize,
         neighbours: inputs.guides_per_hair as usize,
         reach: inputs.reach * unit,
         seed: inputs.seed,

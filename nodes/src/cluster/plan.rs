@@ -5,7 +5,7 @@ use crate::data::curves::{Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, Size};
 use crate::guides::even_roots::EvenRoots;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
 use crate::maths::nearest::Nearest;
@@ -21,6 +21,8 @@ pub(super) struct Asked<'a> {
     /// Hairs a cm2.
     pub density: f32,
     pub mask: &'a FieldInput,
+    /// Points a hair.
+    pub points: usize,
     pub neighbours: usize,
     /// cm; 0: no limit.
     pub reach: f32,
@@ -73,6 +75,8 @@ pub(super) struct Plan {
 const BATCH: usize = 2048;
 /// The least that is looked through for hair that is missing.
 const ROUND: usize = 4096;
+/// So many places are looked at before one asks whether so much hair may be made at all.
+const LONG_ROUND: usize = 1 << 20;
 /// Groups are put together in about so many pieces of work.
 const PIECES: usize = 64;
 /// Where a parting stands before guides so many times as many are asked.
@@ -172,7 +176,7 @@ impl Plan {
         let mut found: Vec<Found> = vec![];
         let (mut start, mut count) = (0, 0);
         while start < last && count < wanted && area > 0.0 && !guides.is_empty() {
-            let round = (wanted - count).max(ROUND).min(last - start);
+            let round = (wanted - count).clamp(ROUND, LONG_ROUND).min(last - start);
             let mut more = finder.round(cx, start as u32..(start + round) as u32)?;
             let new: usize = more.iter().map(|found| found.hairs.len()).sum();
             if new > wanted - count {
@@ -185,6 +189,10 @@ impl Plan {
             found.append(&mut more);
             count += new;
             start += round;
+            if start < last && count < wanted {
+                let so_far = ("hairs so far", cx.thinned(count) as f64);
+                cx.may_make(&Size::of(&[so_far, ("points", asked.points as f64)]))?;
+            }
         }
         let grows = area > 0.0 && !guides.is_empty();
         let missing = asked.count.filter(|_| grows).map_or(0, |_| wanted.saturating_sub(count));
@@ -351,7 +359,7 @@ impl Finder<'_> {
         if let Some(cut) = self.forest.cut {
             places.clear();
             rooted.retain(|(_, root)| {
-                let Some(place) = cut.at(root.point).filter(|place| place.free) else {
+                let Some(place) = cut.at_root(root).filter(|place| place.free) else {
                     return false;
                 };
                 let tree = place.section as usize;

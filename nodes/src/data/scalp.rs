@@ -298,6 +298,10 @@ impl Scalp {
     pub fn free(&self, point: Vec3) -> bool {
         self.sections.as_ref().is_none_or(|sections| sections.at(point).is_some_and(|s| s.free))
     }
+    /// The same of a root, without a search for the triangle that it lies in.
+    pub fn is_free(&self, root: &Root) -> bool {
+        self.sections.as_ref().is_none_or(|sections| sections.at_root(root).is_some_and(|s| s.free))
+    }
     /// A root or, if it lies on or beyond a parting, its mirror image inside the section of `centre`; for nodes that
     /// place roots around a point.
     pub fn kept_in_section(&self, centre: Vec3, root: Root) -> Root {

@@ -206,6 +206,11 @@ impl Sections {
         let section = self.of_point(point)?;
         Some(self.list[section as usize].id)
     }
+    /// Id of the section that a root lies in.
+    pub fn id_of(&self, root: &Root) -> Option<u64> {
+        let section = self.of(root)?;
+        Some(self.list[section as usize].id)
+    }
     /// Index of the section under a point.
     pub(super) fn of_point(&self, point: Vec3) -> Option<u32> {
         match &self.mesh {
@@ -236,8 +241,26 @@ impl Sections {
     }
     /// Section and distance of a point of the scalp; `None` where there is no section.
     pub fn at(&self, point: Vec3) -> Option<Place> {
+        self.place(self.of_point(point)?, point)
+    }
+    /// The same of a root, without a search for the triangle that it lies in.
+    pub fn at_root(&self, root: &Root) -> Option<Place> {
+        self.at_over(root.point, (root.triangle, root.bary))
+    }
+    /// The same of a point whose closest point of the scalp is known, as a triangle and weights.
+    pub(crate) fn at_over(&self, point: Vec3, (triangle, bary): (u32, Vec2)) -> Option<Place> {
+        let section = match &self.mesh {
+            Some(mesh) => {
+                read_all();
+                mesh.at(triangle, bary)
+            }
+            None => self.section_at(self.spread.flat(point)),
+        };
+        self.place(section?, point)
+    }
+
+    fn place(&self, section: u32, point: Vec3) -> Option<Place> {
         let q = self.spread.flat(point);
-        let section = self.of_point(point)?;
         if self.mesh.is_none() && (self.spread.out(point) - self.out[cell_of(q)?]).abs() > LAYER {
             return None;
         }

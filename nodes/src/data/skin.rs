@@ -40,18 +40,25 @@ impl<'a> Skin<'a> {
         Skin { patience: Some(patience), ..self }
     }
 
-    /// The skin for hair by the thousand; none where the mesh is rough and not merely wide: there it takes many times as long to keep
-    /// hair out of what has no clear inside as to grow it. Guides are few, and ask it all the same.
+    /// The skin for hair by the thousand; none where there is no clear inside: there it takes many times as long to keep hair out of the
+    /// skin as to grow it. Guides are few, and ask it all the same.
     pub fn for_hair(self) -> Option<Self> {
-        matches!(self.rough, None | Some(Rough::Wide)).then_some(self)
+        self.has_clear_inside().then_some(self)
     }
 
-    /// Notes so many looks of a search; whether there is patience for more.
+    /// Whether there is a side that is clearly in: the mesh is not rough, or merely wide.
+    pub fn has_clear_inside(&self) -> bool {
+        matches!(self.rough, None | Some(Rough::Wide))
+    }
+
+    /// Notes so many looks of a search; whether there is patience for more. Among folds there is none: the way out of one leads
+    /// into the next.
     pub(super) fn looked(&self, looks: usize) -> bool {
-        self.patience.is_none_or(|patience| {
-            patience.take(looks as u64);
-            patience.left() > 0
-        })
+        self.has_clear_inside()
+            && self.patience.is_none_or(|patience| {
+                patience.take(looks as u64);
+                patience.left() > 0
+            })
     }
 
     /// How many looks a search may take yet.
@@ -59,8 +66,8 @@ impl<'a> Skin<'a> {
         self.patience.map_or(usize::MAX, |patience| patience.left() as usize)
     }
 
-    /// Whether nothing has an inside: then no place is in the skin.
-    pub(super) fn has_no_inside(&self) -> bool {
+    /// Whether nothing has an inside, as where the mesh is strewn or a tangle: then no place is in the skin.
+    pub fn has_no_inside(&self) -> bool {
         matches!(self.rough, Some(Rough::Tangled | Rough::Strewn))
     }
 
@@ -128,6 +135,16 @@ impl<'a> Skin<'a> {
         }
     }
 
+    /// Whether the field alone tells that `p` is farther than `height` (cm) outside. False says nothing.
+    #[inline]
+    pub fn stands_off(&self, p: Vec3, height: f32) -> bool {
+        if self.asks_alone() {
+            return self.field.far(self.surface, p) > height.max(0.0);
+        }
+        (self.rough.is_some() || self.surface.parts_in_from_out())
+            && self.field.is_clear(self.surface, p, height.max(0.0))
+    }
+
     /// The radius (cm) of a ball about `p` that holds no skin: how far it is outside, up to the field's band where that is all that is
     /// known without looking; 0 inside.
     pub fn clear_about(&self, p: Vec3) -> f32 {
@@ -166,6 +183,38 @@ impl<'a> Skin<'a> {
             Some(near) => self.surface.closest_from(p, near),
             None => self.closest(p),
         }?;
-        Some((self.surface.signed_distance(p, &hit), hit))
+        Some((self.height_over(p, &hit), hit))
+    }
+
+    /// The closest point of the skin to `p`, for whoever goes over the scalp from point to point; `near`, a triangle near it, becomes
+    /// the nearest. Where there is no clear inside it is a close point, found at a bounded price.
+    /// None on an empty mesh or if `p` is not finite.
+    #[inline]
+    pub fn foot(&self, p: Vec3, near: &mut u32) -> Option<Hit> {
+        if self.surface.triangles.is_empty() {
+            return None;
+        }
+        let hit = match self.has_clear_inside() {
+            true => self.surface.closest_from(p, *near),
+            false => self.surface.closest_of_few(p, Some(*near)),
+        }?;
+        *near = hit.triangle;
+        Some(hit)
+    }
+
+    /// The smooth normal at a point of the skin. Unit.
+    #[inline]
+    pub fn smooth_normal(&self, hit: &Hit) -> Vec3 {
+        self.surface.smooth_normal(hit.triangle, hit.bary)
+    }
+
+    /// The distance of `p` from its closest point `hit`, cm, negative inside. Where there is no clear inside, the side is that of the
+    /// point alone: rays that look farther would meet the next fold.
+    #[inline]
+    pub fn height_over(&self, p: Vec3, hit: &Hit) -> f32 {
+        match self.has_clear_inside() {
+            true => self.surface.signed_distance(p, hit),
+            false => self.surface.distance_by_side(p, hit),
+        }
     }
 }

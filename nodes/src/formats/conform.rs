@@ -19,7 +19,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::eval::Host;
-use crate::maths::catmull_rom_agreement::{AGREE, readings_differ};
+use crate::maths::catmull_rom_agreement::{AGREE, readings_agree, readings_differ};
 use crate::maths::nearest_on;
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
@@ -309,18 +309,17 @@ fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked 
             looked.left_out += 1;
             continue;
         }
-        let difference = readings_differ(points);
-        if difference > AGREE && patience.looks().left() == 0 {
+        if let Some(difference) = readings_agree(points) {
+            looked.difference = looked.difference.max(difference);
+        } else if patience.looks().left() == 0 {
             looked.changed.push(Mended {
                 curve: i as u32,
-                read: Read::of(points, difference),
+                read: Read::of(points, readings_differ(points)),
                 astray: true,
             });
-        } else if difference > AGREE {
+        } else {
             let mended = mend(tuft, i as u32, land, Effort::None, &patience, &mut room);
             looked.changed.extend(mended);
-        } else {
-            looked.difference = looked.difference.max(difference);
         }
     }
     looked

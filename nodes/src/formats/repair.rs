@@ -17,7 +17,7 @@ use crate::data::patience::Patience;
 use crate::data::route::makers::{clear, clear_beyond, lift, way_out};
 use crate::data::route::skin_clear::Torn;
 use crate::data::scalp::Skin;
-use crate::maths::catmull_rom_agreement::{AGREE, each_span, readings_differ};
+use crate::maths::catmull_rom_agreement::{AGREE, each_span, readings_agree, readings_differ};
 use crate::maths::spline::{Place, Spline};
 use glam::Vec3;
 use std::cell::Cell;
@@ -364,15 +364,22 @@ fn alike_chords(
     point: impl Fn(usize, Place) -> Vec3,
 ) -> bool {
     let Read { points, stops, .. } = read;
+    let mut chords: Vec<f32> = Vec::with_capacity(last);
     // Places the points at these arc lengths; gives the longest chord over the shortest.
-    let sample = |wanted: &[f32], stops: &mut Vec<(f32, Place)>, points: &mut Vec<Vec3>| -> f32 {
+    let sample = |wanted: &[f32],
+                  stops: &mut Vec<(f32, Place)>,
+                  points: &mut Vec<Vec3>,
+                  chords: &mut Vec<f32>|
+     -> f32 {
         let mut cursor = 0;
         stops.clear();
         stops.extend(wanted.iter().map(|s| (*s, spline.locate_rising(&mut cursor, *s))));
         points.clear();
         points.extend(stops.iter().enumerate().map(|(k, (_, place))| point(k, *place)));
-        let chords = points.windows(2).map(|w| w[0].distance(w[1]));
-        let (least, most) = chords.fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(c), b.max(c)));
+        chords.clear();
+        chords.extend(points.windows(2).map(|w| w[0].distance(w[1])));
+        let (least, most) =
+            chords.iter().fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(*c), b.max(*c)));
         most / least.max(1e-9)
     };
     let mut wanted: Vec<f32> =
@@ -382,8 +389,8 @@ fn alike_chords(
     let mut best = (f32::MAX, wanted.clone());
     let mut stale = 0;
     for round in 0..ROUNDS {
-        let ratio = sample(&wanted, stops, points);
-        if ratio <= ALIKE || readings_differ(points) <= AGREE {
+        let ratio = sample(&wanted, stops, points, &mut chords);
+        if ratio <= ALIKE || readings_agree(points).is_some() {
             return true;
         }
         if !patience.has(points.len() as u64) {
@@ -391,29 +398,30 @@ fn alike_chords(
         }
         stale += 1;
         if ratio < best.0 {
-            best = (ratio, wanted.clone());
+            best.0 = ratio;
+            best.1.copy_from_slice(&wanted);
             stale = 0;
         }
         if stale >= most_stale() {
             break;
         }
         // What arc length has come where the chords have come to their even share.
-        let total: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let total: f32 = chords.iter().sum();
         let (mut k, mut come) = (0, 0.0);
         for (n, stop) in wanted.iter_mut().enumerate().take(last).skip(1) {
             let share = total * n as f32 / last as f32;
-            while k + 1 < last && come + points[k].distance(points[k + 1]) < share {
-                come += points[k].distance(points[k + 1]);
+            while k + 1 < last && come + chords[k] < share {
+                come += chords[k];
                 k += 1;
             }
-            let chord = points[k].distance(points[k + 1]);
+            let chord = chords[k];
             let part = if chord > 0.0 { ((share - come) / chord).clamp(0.0, 1.0) } else { 0.0 };
             let even = stops[k].0 + (stops[k + 1].0 - stops[k].0) * part;
             *stop += (even - *stop) * if round < QUICK { 1.0 } else { 0.5 };
         }
     }
-    if sample(&wanted, stops, points) > best.0 {
-        sample(&best.1, stops, points);
+    if sample(&wanted, stops, points, &mut chords) > best.0 {
+        sample(&best.1, stops, points, &mut chords);
     }
     false
 }

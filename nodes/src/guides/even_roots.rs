@@ -61,7 +61,7 @@ impl<'a> EvenRoots<'a> {
     pub(crate) fn root(&self, i: u32) -> Option<Root> {
         let (triangle, bary) = self.get(i)?;
         let root = self.scalp.root(triangle, bary);
-        self.scalp.free(root.point).then_some(root)
+        self.scalp.is_free(&root).then_some(root)
     }
 }
 

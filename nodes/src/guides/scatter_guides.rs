@@ -156,7 +156,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         if scalp.uvs().is_some() {
             b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
         }
-        if let Some(section) = scalp.sections().and_then(|s| s.id_at(root.point)) {
+        if let Some(section) = scalp.sections().and_then(|s| s.id_of(&root)) {
             b.set(SECTION, Domain::Curve, vec![section]);
         }
         Ok([b.build()])
@@ -196,7 +196,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, No
             }
             let share = mask.at(slot, slot, 0.0);
             // A root in a parting keeps its index, so that moving the parting leaves all others in place.
-            let chosen = keep.unit(u64::from(i), 0) < share && scalp.free(root.point);
+            let chosen = keep.unit(u64::from(i), 0) < share && scalp.is_free(&root);
             if apart.take(i, root.point) {
                 match chosen {
                     true => out.push((i, root)),

@@ -52,8 +52,27 @@ pub fn readings_differ(points: &[Vec3]) -> f32 {
     worst
 }
 
+/// [`readings_differ`] where it is no more than [`AGREE`]; none where it is more, which the first such span tells.
+pub fn readings_agree(points: &[Vec3]) -> Option<f32> {
+    let mut worst = 0.0f32;
+    let differs = any_span(points, |_, difference| {
+        worst = worst.max(difference);
+        difference > AGREE
+    });
+    (!differs).then_some(worst)
+}
+
 /// [`readings_differ`] of each span; where it is no more than [`AGREE`], not less than it is.
 pub fn each_span(points: &[Vec3], mut found: impl FnMut(usize, f32)) {
+    any_span(points, |i, difference| {
+        found(i, difference);
+        false
+    });
+}
+
+/// Whether any span `is_one`, told as [`each_span`] tells them; those behind the first are not looked at.
+#[inline]
+fn any_span(points: &[Vec3], mut is_one: impl FnMut(usize, f32) -> bool) -> bool {
     let n = points.len();
     let chord = |i: usize| points[i].distance(points[i + 1]);
     let mut here = if n > 1 { chord(0) } else { 0.0 };
@@ -63,13 +82,17 @@ pub fn each_span(points: &[Vec3], mut found: impl FnMut(usize, f32)) {
         let step = |other: Option<f32>| other.map_or(0.0, |other: f32| (other - here).abs());
         let bound = (step(before) + step(after)) * OF_STEP;
         // Most spans of most curves.
-        if bound <= AGREE || here == 0.0 {
-            found(i, bound.min(AGREE));
+        let difference = if bound <= AGREE || here == 0.0 {
+            bound.min(AGREE)
         } else {
-            found(i, span_differs(points, i, (before, here, after)));
+            span_differs(points, i, (before, here, after))
+        };
+        if is_one(i, difference) {
+            return true;
         }
         (before, here) = (Some(here), after.unwrap_or(0.0));
     }
+    false
 }
 
 /// [`readings_differ`] of the span from the point `i` on, whose chord is `here`, those beside it `before` and `after`.
@@ -146,6 +169,7 @@ mod tests {
                 }
             });
             let worst = readings_differ(&points);
+            assert_eq!(readings_agree(&points), (worst <= AGREE).then_some(worst));
             assert!(worst <= most.max(AGREE) * 1.001, "{id}: {worst} {most}");
         }
         assert!(near > 0.5 && sure > 200, "{near} {sure}");

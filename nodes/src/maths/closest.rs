@@ -49,14 +49,11 @@ impl Surface {
     pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
         let mut normals = vec![Vec3::ZERO; points.len()];
-        // Each side of a triangle: its edge, and its place among all sides.
-        let mut sides: Vec<((u32, u32), u32)> = Vec::with_capacity(3 * triangles.len());
         let mut faces = Vec::with_capacity(triangles.len());
-        for (t, n) in triangles.iter().zip(0u32..) {
+        for t in &triangles {
             let [a, b, c] = corners(t);
             let normal = (b - a).cross(c - a).try_normalize();
             faces.push(normal.unwrap_or_default());
-            sides.extend((0..3).map(|i| (edge(t[i], t[(i + 1) % 3]), 3 * n + i as u32)));
             let Some(normal) = normal else { continue };
             for (i, (at, next, last)) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
                 let angle = super::transcendental::acos(
@@ -68,18 +65,17 @@ impl Surface {
         for normal in &mut normals {
             *normal = normal.normalize_or_zero();
         }
-        sides.sort_unstable();
         let mut edge_normals = vec![[Vec3::ZERO; 3]; triangles.len()];
         let mut ends = vec![false; points.len()];
-        for same in sides.chunk_by(|a, b| a.0 == b.0) {
+        each_edge(points.len(), &triangles, |(a, b), same| {
             let sum = same.iter().fold(Vec3::ZERO, |sum, (_, n)| sum + faces[*n as usize / 3]);
-            if let [((a, b), _)] = same {
-                (ends[*a as usize], ends[*b as usize]) = (true, true);
+            if let [_] = same {
+                (ends[a as usize], ends[b as usize]) = (true, true);
             }
             for (_, n) in same {
                 edge_normals[*n as usize / 3][*n as usize % 3] = sum;
             }
-        }
+        });
         let tree = tree(&points, &triangles, |_| true);
         let ends = ends.into_iter().filter(|is| *is).count();
         Self { points, triangles, normals, edge_normals, ends, tree, gone: vec![] }
@@ -300,14 +296,21 @@ impl Surface {
     /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, or folds into itself as scans do, an
     /// edge or a corner does not tell the sides apart: what seems deep inside such a one is looked at from there.
     pub fn signed_distance(&self, p: Vec3, hit: &Hit) -> f32 {
-        let side = (p - hit.point).dot(self.pseudo_normal(hit));
-        if side >= 0.0 {
-            return hit.distance;
+        let distance = self.distance_by_side(p, hit);
+        if distance >= 0.0 {
+            return distance;
         }
         let at_edge = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y];
         let doubtful =
             hit.distance > DOUBTFUL && !self.is_tangled() && at_edge.iter().any(|w| *w <= ON);
-        if doubtful && !self.sees_backs(p) { hit.distance } else { -hit.distance }
+        if doubtful && !self.sees_backs(p) { hit.distance } else { distance }
+    }
+
+    /// The distance of `p` from its closest point `hit`, negative on the back of the triangle, edge or corner that it lies on.
+    #[inline]
+    pub fn distance_by_side(&self, p: Vec3, hit: &Hit) -> f32 {
+        let side = (p - hit.point).dot(self.pseudo_normal(hit));
+        if side >= 0.0 { hit.distance } else { -hit.distance }
     }
 
     /// Whether most ways from a point meet the back of the surface first, which is how it looks from inside.
@@ -368,8 +371,39 @@ fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) 
     TriangleTree::new(numbered.map(|(t, n)| (n, t.map(|v| points[v as usize]))))
 }
 
-fn edge(a: u32, b: u32) -> (u32, u32) {
-    (a.min(b), a.max(b))
+/// Tells each edge, and the sides of triangles along it: its second vertex, and their place among all sides, rising.
+fn each_edge(
+    points: usize,
+    triangles: &[[u32; 3]],
+    mut tell: impl FnMut((u32, u32), &[(u32, u32)]),
+) {
+    let sides = || {
+        (0u32..).zip(triangles).flat_map(|(n, t)| {
+            [0, 1, 2].map(|i| {
+                let (a, b) = (t[i], t[(i + 1) % 3]);
+                (a.min(b), a.max(b), 3 * n + i as u32)
+            })
+        })
+    };
+    // By their first vertex they are counted into place, which takes a fraction of sorting them all.
+    let mut ends = vec![0u32; points + 1];
+    sides().for_each(|(a, ..)| ends[a as usize + 1] += 1);
+    for a in 1..ends.len() {
+        ends[a] += ends[a - 1];
+    }
+    let mut by_first = vec![(0, 0); 3 * triangles.len()];
+    for (a, b, n) in sides() {
+        let end = &mut ends[a as usize];
+        by_first[*end as usize] = (b, n);
+        *end += 1;
+    }
+    let mut start = 0;
+    for (a, end) in (0u32..).zip(&ends[..points]) {
+        let of_vertex = &mut by_first[start..*end as usize];
+        start = *end as usize;
+        of_vertex.sort_unstable();
+        of_vertex.chunk_by(|x, y| x.0 == y.0).for_each(|same| tell((a, same[0].0), same));
+    }
 }
 
 /// Closest point of a triangle (Ericson 2005, "Real-time collision detection", 5.1.5), as the weights of

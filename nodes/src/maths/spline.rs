@@ -27,6 +27,8 @@ pub enum CurveFault {
 /// Sub-intervals of a span for which the arc length is tabulated. Four keep a quarter turn in one
 /// span (8 CVs a turn has half of that) within the stated accuracy.
 const SUBS: usize = 4;
+/// The most parts in which the length of one is taken.
+const MOST_PARTS: usize = 4;
 
 /// A place on a spline: span and local parameter in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,19 +94,20 @@ impl Spline {
         self.tabulate(4)
     }
 
-    /// The table of arc lengths, once there are spans; each sub-interval is taken in so many parts.
+    /// The table of arc lengths, once there are spans; each sub-interval is taken in so many parts, [`MOST_PARTS`] at most.
     fn tabulate(&mut self, parts: usize) -> Result<(), CurveFault> {
         self.lengths.push(0.0);
         let mut total = 0.0f64;
         for span in &self.spans {
+            let mut arcs = [[0.0; SUBS]; MOST_PARTS];
+            for (part, arcs) in arcs[..parts].iter_mut().enumerate() {
+                *arcs = arc_lengths(span, part, parts);
+            }
+            let ends = speeds(span, &[0.0, 0.25, 0.5, 0.75, 1.0]);
             for sub in 0..SUBS {
-                let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
-                let at = |part: usize| t0 + (t1 - t0) * (part as f32 / parts as f32);
-                for part in 0..parts {
-                    total += f64::from(arc_length(span, at(part), at(part + 1)));
-                }
+                arcs[..parts].iter().for_each(|arcs| total += f64::from(arcs[sub]));
                 self.lengths.push(total as f32);
-                self.speeds.push((derivative(span, t0).length(), derivative(span, t1).length()));
+                self.speeds.push((ends[sub], ends[sub + 1]));
             }
         }
         if total > 0.0 && total.is_finite() { Ok(()) } else { Err(CurveFault::NoLength) }
@@ -264,12 +267,36 @@ fn derivative([_, c1, c2, c3]: &[Vec3; 4], t: f32) -> Vec3 {
     (*c3 * (3.0 * t) + *c2 * 2.0) * t + *c1
 }
 
-/// Gauss-Legendre with three points: exact for speeds that are polynomials up to degree five.
-fn arc_length(span: &[Vec3; 4], t0: f32, t1: f32) -> f32 {
+/// The speeds at these parameters: a plain loop over numbers, of which compilers take four at a time.
+#[inline]
+fn speeds<const N: usize>([_, c1, c2, c3]: &[Vec3; 4], at: &[f32; N]) -> [f32; N] {
+    at.map(|t| {
+        let along = |c1: f32, c2: f32, c3: f32| (c3 * (3.0 * t) + c2 * 2.0) * t + c1;
+        let [x, y, z] = [along(c1.x, c2.x, c3.x), along(c1.y, c2.y, c3.y), along(c1.z, c2.z, c3.z)];
+        (x * x + y * y + z * z).sqrt()
+    })
+}
+
+/// The arc length of one part in so many of each sub-interval, by Gauss-Legendre with three points: exact for speeds that are
+/// polynomials up to degree five.
+fn arc_lengths(span: &[Vec3; 4], part: usize, parts: usize) -> [f32; SUBS] {
     const X: f32 = 0.774_596_7;
-    let (mid, half) = (0.5 * (t0 + t1), 0.5 * (t1 - t0));
-    let speed = |x: f32| derivative(span, mid + half * x).length();
-    half * (5.0 * speed(-X) + 8.0 * speed(0.0) + 5.0 * speed(X)) / 9.0
+    let (mut at, mut halves) = ([0.0; 3 * SUBS], [0.0; SUBS]);
+    for sub in 0..SUBS {
+        let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
+        let end = |part: usize| t0 + (t1 - t0) * (part as f32 / parts as f32);
+        let (t0, t1) = (end(part), end(part + 1));
+        let (mid, half) = (0.5 * (t0 + t1), 0.5 * (t1 - t0));
+        (at[sub], at[SUBS + sub], at[2 * SUBS + sub]) = (mid + half * -X, mid, mid + half * X);
+        halves[sub] = half;
+    }
+    let speeds = speeds(span, &at);
+    let mut arcs = [0.0; SUBS];
+    for sub in 0..SUBS {
+        let sum = 5.0 * speeds[sub] + 8.0 * speeds[SUBS + sub] + 5.0 * speeds[2 * SUBS + sub];
+        arcs[sub] = halves[sub] * sum / 9.0;
+    }
+    arcs
 }
 
 #[cfg(test)]

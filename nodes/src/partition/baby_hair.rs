@@ -22,7 +22,7 @@ use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
 use crate::scalp::lay::bind;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -199,7 +199,7 @@ impl Maker<'_> {
             let grows = self.scalp.grows(root.triangle, root.bary);
             // Baby hair fades with the region.
             let chance = (2.0 * grows).min(1.0);
-            if self.dice.unit(id, 9) < chance && self.scalp.free(root.point) {
+            if self.dice.unit(id, 9) < chance && self.scalp.is_free(root) {
                 starts.push((id, part, start));
             }
         }
@@ -260,7 +260,7 @@ impl Maker<'_> {
         }
         tuft.set(SCALP_NORMAL, Domain::Curve, roots.iter().map(|r| r.normal).collect());
         if let Some(sections) = self.scalp.sections() {
-            let id = |root: &Root| sections.id_at(root.point).unwrap_or_default();
+            let id = |root: &Root| sections.id_of(root).unwrap_or_default();
             tuft.set(SECTION, Domain::Curve, roots.iter().map(id).collect());
         }
         bind(&mut tuft, &roots);
@@ -297,7 +297,7 @@ impl Maker<'_> {
                 flat * (0.55 + 0.1 * of_lock(1)) - flat.signum() * wave * cos + 0.06 * stray(1)
             }
         };
-        let surface = self.scalp.surface();
+        let skin = self.scalp.skin();
         let turn = |v: Vec3, axis: Vec3, by: f32| {
             let (sin, cos) = sin_cos(by);
             v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
@@ -312,15 +312,16 @@ impl Maker<'_> {
         let step = length / STEPS as f32;
         for k in 1..=STEPS {
             let s = k as f32 / STEPS as f32;
-            let hit = surface.closest_from(p + way * step, near)?;
-            if self.scalp.sections().is_some_and(|cut| is_parted(cut, p, hit.point)) {
+            let hit = skin.foot(p + way * step, &mut near)?;
+            let foot = (hit.triangle, hit.bary);
+            if self.scalp.sections().is_some_and(|cut| is_parted(cut, p, hit.point, foot)) {
                 break;
             }
-            let below = surface.smooth_normal(hit.triangle, hit.bary);
+            let below = skin.smooth_normal(&hit);
             way = smallest_rotation(normal, below) * way;
             way = across(way, below).unwrap_or(way);
             way = turn(way, below, hand * (angle(s) - angle(s - 1.0 / STEPS as f32)));
-            (p, normal, near) = (hit.point, below, hit.triangle);
+            (p, normal) = (hit.point, below);
             line.push(p);
         }
         // A hair that runs into a parting at once is dropped.
@@ -341,9 +342,10 @@ impl Maker<'_> {
         let lift =
             inputs.lift * self.unit * (1.0 + 0.8 * inputs.unevenness * self.dice.signed(id, 3));
         let clear = CLEAR * self.unit;
-        let surface = self.scalp.surface();
+        let skin = self.scalp.skin();
         let mut near = start.root.triangle;
         let mut line = Vec::with_capacity(walk.len());
+        let mut feet = Vec::with_capacity(walk.len());
         for (k, p) in walk.iter().enumerate() {
             let s = k as f32 / (walk.len() - 1) as f32;
             let mut p = *p;
@@ -356,16 +358,17 @@ impl Maker<'_> {
                 let to = middle[at.min(middle.len() - 1)] + beside * (1.0 - 0.85 * share);
                 p = p.lerp(to, share);
             }
-            let Some(hit) = surface.closest_from(p, near) else { return false };
-            near = hit.triangle;
-            let normal = surface.smooth_normal(hit.triangle, hit.bary);
+            let Some(hit) = skin.foot(p, &mut near) else { return false };
+            let normal = skin.smooth_normal(&hit);
             let height = (clear * (6.0 * s).min(1.0)).max(lift * s * s.sqrt());
             line.push(if k == 0 { hit.point } else { hit.point + normal * height });
+            feet.push((hit.triangle, hit.bary));
         }
         line[0] = start.root.point;
         if let Some(cut) = self.scalp.sections() {
             // A hair that was drawn across a parting is cut before it.
-            let over = line.windows(2).position(|w| is_parted(cut, w[0], w[1]));
+            let mut steps = line.windows(2).zip(&feet[1..]);
+            let over = steps.position(|(w, foot)| is_parted(cut, w[0], w[1], *foot));
             if let Some(k) = over {
                 line.truncate(k + 1);
             }
@@ -380,16 +383,17 @@ impl Maker<'_> {
         // Queries the surface directly: a distance field costs more than a whole hairline of hair.
         near = start.root.triangle;
         for p in &mut points[from + 1..] {
-            let Some(hit) = surface.closest_from(*p, near) else { return false };
-            near = hit.triangle;
-            if surface.signed_distance(*p, &hit) >= 0.5 * clear {
+            let Some(hit) = skin.foot(*p, &mut near) else { return false };
+            if skin.height_over(*p, &hit) >= 0.5 * clear {
                 continue;
             }
-            *p = hit.point + surface.smooth_normal(hit.triangle, hit.bary) * (0.5 * clear);
+            *p = hit.point + skin.smooth_normal(&hit) * (0.5 * clear);
             // In a fold, the way out of one side leads into the other.
-            let again = surface.closest_from(*p, near);
-            if again.is_some_and(|hit| surface.signed_distance(*p, &hit) < 0.0) {
-                *p = makers::lift(&self.scalp.skin(), *p, 0.5 * clear).0;
+            if skin.has_clear_inside() {
+                let again = skin.foot(*p, &mut near.clone());
+                if again.is_some_and(|hit| skin.height_over(*p, &hit) < 0.0) {
+                    *p = makers::lift(&skin, *p, 0.5 * clear).0;
+                }
             }
         }
         // In folds, a path that stays in its section on the scalp may still cross a parting in the air.
@@ -402,9 +406,9 @@ impl Maker<'_> {
     }
 }
 
-/// Whether a step over the scalp crosses a parting or ends on its bare skin.
-fn is_parted(cut: &Sections, from: Vec3, to: Vec3) -> bool {
-    cut.at(to).is_some_and(|place| !place.free) || cut.crosses(from, to)
+/// Whether a step over the scalp crosses a parting or ends on its bare skin; `foot` is what is closest to its end.
+fn is_parted(cut: &Sections, from: Vec3, to: Vec3, foot: (u32, Vec2)) -> bool {
+    cut.at_over(to, foot).is_some_and(|place| !place.free) || cut.crosses(from, to)
 }
 
 #[cfg(test)]

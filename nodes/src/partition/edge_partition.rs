@@ -25,6 +25,7 @@ use crate::maths::low_discrepancy::r2;
 use crate::scalp::lay;
 use crate::scalp::territory::{Overs, Row, Station, neighbour};
 use glam::Vec3;
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -165,9 +166,11 @@ const LOOK: f32 = 0.4;
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
     let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
+    let skin = cx.skin(scalp);
     let rules = Rules {
         scalp,
-        skin: cx.skin(scalp),
+        skin,
+        for_hair: skin.for_hair(),
         crossing: inputs.cross_partings,
         parting: inputs.parting_width * unit,
         reach: inputs.reach * unit,
@@ -412,6 +415,7 @@ fn hairs(
             right: of_side(&inputs.right, right.iter().filter(shares).collect()),
             own: &own,
             home: home_of_own,
+            near: Cell::new(0),
         };
         row_hairs(cx, inputs, rules, unit, (tuft, i), &ground, read, &mut made, piece)?;
     }
@@ -461,7 +465,7 @@ impl Made {
         hair.set(SCALP_NORMAL, Domain::Curve, normals);
         lay::bind(&mut hair, &self.roots);
         if let Some(sections) = inputs.scalp.sections() {
-            let id = |root: &Root| sections.id_at(root.point).unwrap_or_default();
+            let id = |root: &Root| sections.id_of(root).unwrap_or_default();
             hair.set(SECTION, Domain::Curve, self.roots.iter().map(id).collect());
         }
         let hair = hair.build();

@@ -15,16 +15,19 @@ use crate::data::ramp::Ramp;
 use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
-use crate::maths::closest::{Hit, Surface};
+use crate::maths::closest::Hit;
 use crate::maths::spline::{Place, Spline};
 use crate::maths::transcendental::{sin_cos, tan};
 use crate::scalp::territory::{Row, Station, neighbour};
 use glam::Vec3;
+use std::cell::Cell;
 
 /// Settings shared by all hairs of a run. Lengths in cm, angles in radians.
 pub(crate) struct Rules<'a> {
     pub(crate) scalp: &'a Scalp,
     pub(crate) skin: Skin<'a>,
+    /// What hairs are kept out of; none where the mesh has no clear inside ([`Skin::for_hair`]).
+    pub(crate) for_hair: Option<Skin<'a>>,
     pub(crate) crossing: bool,
     pub(crate) parting: f32,
     pub(crate) reach: f32,
@@ -38,6 +41,13 @@ pub(crate) struct Rules<'a> {
     pub(crate) clear: f32,
 }
 
+impl Rules<'_> {
+    /// So many rounds of a search; where folds and scraps make it jump, as many as come within a millimetre.
+    fn rounds(&self, on_a_head: usize) -> usize {
+        if self.for_hair.is_some() { on_a_head } else { on_a_head.min(4) }
+    }
+}
+
 /// A row and what limits its hairs: other rows and, on a parted scalp, their common section.
 pub(crate) struct Ground<'a> {
     pub(crate) scalp: &'a Scalp,
@@ -45,6 +55,8 @@ pub(crate) struct Ground<'a> {
     pub(crate) left: Vec<&'a Row>,
     pub(crate) right: Vec<&'a Row>,
     pub(crate) home: Option<Home<'a>>,
+    /// The triangle found last: the next one is near it.
+    pub(crate) near: Cell<u32>,
 }
 
 /// The section that a row lies in.
@@ -114,6 +126,13 @@ impl Ground<'_> {
         let mut others = self.left.iter().chain(&self.right);
         others.all(|row| row.far_under(self.scalp, p, limit) >= limit)
     }
+    /// The root below a point.
+    fn root(&self, rules: &Rules, p: Vec3) -> Option<Root> {
+        let mut near = self.near.get();
+        let Hit { triangle, bary, .. } = rules.skin.foot(p, &mut near)?;
+        self.near.set(near);
+        Some(self.scalp.root(triangle, bary))
+    }
     fn to_own(&self, p: Vec3) -> f32 {
         self.own.far(self.scalp, p, self.own.nearest(p).1)
     }
@@ -168,6 +187,14 @@ impl Reach {
             ..a
         })
     }
+    /// What lies beside the nearer of the surrounding samples that has anything.
+    fn about(&self, u: f32, side: i32) -> Option<Beside> {
+        let list = &self.sides[usize::from(side > 0)];
+        let x = (u - self.from) * self.per_u;
+        let i = (x as usize).min(list.len() - 2);
+        let (a, b) = (list[i], list[i + 1]);
+        if x - i as f32 <= 0.5 { a.or(b) } else { b.or(a) }
+    }
     /// Whether there is no territory on a side near `u`.
     fn is_bare(&self, u: f32, side: i32) -> bool {
         let list = &self.sides[usize::from(side > 0)];
@@ -186,7 +213,7 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     let (to, shared, who) = if let Some(home) = &ground.home {
         // The border of the section takes the place of the parting halfway to a neighbour.
         let inside = |d: &f32| {
-            let root = rules.scalp.closest_root(station.point + way * *d);
+            let root = ground.root(rules, station.point + way * *d);
             root.is_some_and(|root| {
                 home.slack(root.point) >= 0.0 && grows(rules.scalp, &root) >= 0.5
             })
@@ -210,7 +237,7 @@ fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
     let at = |t: f32| place(rules, ground, &station, &found, t);
     let last = at(1.0)?;
     if last.1 < 0.0 {
-        found.most = farthest(at, 1.0, last.1)?.1;
+        found.most = farthest(rules, at, 1.0, last.1)?.1;
     }
     Some(found)
 }
@@ -230,7 +257,7 @@ fn place(
     beside: &Beside,
     t: f32,
 ) -> Option<(Root, f32)> {
-    let root = rules.scalp.closest_root(station.point + beside.to * t)?;
+    let root = ground.root(rules, station.point + beside.to * t)?;
     let slack = if rules.crossing {
         f32::MAX
     } else if let Some(home) = &ground.home {
@@ -247,7 +274,9 @@ fn place(
 
 /// The root of a hair; `None` if there is no territory on that side, or none that is the row's own.
 pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) -> Option<Start> {
-    let (station, root) = match reach.at(wish.u, wish.side) {
+    // Among scraps and folds hardly two samples agree: one of them will do.
+    let one = || reach.about(wish.u, wish.side).filter(|_| rules.for_hair.is_none());
+    let (station, root) = match reach.at(wish.u, wish.side).or_else(one) {
         Some(found) => {
             let station = Station::with_normal(ground.own, wish.u, found.normal);
             let t = wish.mediate.min(found.most);
@@ -257,7 +286,7 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
             } else {
                 // The edge bends slightly between two samples: one more query from nearby.
                 let at = |t: f32| place(rules, ground, &station, &found, t);
-                (station, farthest(at, t, slack)?.0)
+                (station, farthest(rules, at, t, slack)?.0)
             }
         }
         None if reach.is_bare(wish.u, wish.side) => return None,
@@ -276,14 +305,19 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
 
 /// The farthest root with slack, and its fraction of the way, up to `most` (where the slack is `lack`); `None` if the
 /// row itself has none.
-fn farthest(at: impl Fn(f32) -> Option<(Root, f32)>, most: f32, lack: f32) -> Option<(Root, f32)> {
+fn farthest(
+    rules: &Rules,
+    at: impl Fn(f32) -> Option<(Root, f32)>,
+    most: f32,
+    lack: f32,
+) -> Option<(Root, f32)> {
     let (mut low, mut high) = (0.0, most);
     let (mut found, mut slack) = at(0.0)?;
     let mut lack = lack;
     if slack < 0.0 {
         return None;
     }
-    for round in 0..12 {
+    for round in 0..rules.rounds(12) {
         // Between two rows the slack falls nearly linearly, so interpolation is a good guess; bisection every other
         // time keeps it safe at the edge of the hair, where the slack jumps.
         let part = if round % 2 == 0 { slack / (slack - lack) } else { 0.5 };
@@ -328,7 +362,7 @@ pub(crate) fn end(
     // A root closer than the braid's side still leaves room for a hair.
     let off = (radius - rules.tuck).max(0.0).min(0.6 * start.point.distance(station.point));
     let point = station.point + out * off;
-    let point = lift(&rules.skin, point, rules.clear).0;
+    let point = rules.for_hair.map_or(point, |skin| lift(&skin, point, rules.clear).0);
     End { point, along: station.along, out, axis: station.point, radius }
 }
 
@@ -341,7 +375,7 @@ impl End {
         let flat = (p - self.axis).reject_from_normalized(self.along);
         let p =
             if flat.length() > 0.98 * self.radius { self.point + self.along * ball.x } else { p };
-        let (lifted, _) = lift(&rules.skin, p, rules.clear);
+        let lifted = rules.for_hair.map_or(p, |skin| lift(&skin, p, rules.clear).0);
         if lifted.distance(self.point) <= rules.group_radius { lifted } else { self.point }
     }
 }
@@ -388,11 +422,12 @@ pub(crate) fn way(
         let middle = ((from + to) * 0.5).lerp(corner, rules.sweep);
         from.lerp(middle, s).lerp(middle.lerp(to, s), s)
     };
-    let surface = rules.scalp.surface();
-    let mut feeler = Feeler { surface, near: root.triangle };
-    let end_height = feeler.height(end);
+    let mut feeler = Feeler { skin: &rules.skin, near: root.triangle };
+    // Among scraps there is nothing to lie on: from root to end it goes through the air.
+    let lies = !rules.skin.has_no_inside();
+    let end_height = if lies { feeler.height(end) } else { 0.0 };
     // On a bumpy scalp the smooth normal does not point exactly at the end.
-    let aside = end - feeler.laid(end, end_height).0;
+    let aside = if lies { end - feeler.laid(end, end_height).0 } else { Vec3::ZERO };
     feeler.near = root.triangle;
     // While the last verified point is farther inside than this, the next one cannot have left.
     let (mut known, mut sure) = (root.point, 0.0f32);
@@ -420,15 +455,18 @@ pub(crate) fn way(
         let height = lift * 4.0 * s * (1.0 - s) + end_height * s * s;
         let height = height.max(rules.clear * (s * 8.0).min(1.0));
         if !rules.crossing && 2.0 * p.distance(known) > sure {
-            p = kept_at_home(ground, p, 0.25 * rules.parting);
+            p = kept_at_home(rules, ground, p, 0.25 * rules.parting);
             (known, sure) = (p, (ground.margin(p) - 0.25 * rules.parting).min(SURE));
         }
-        points.push(feeler.laid(p, height).0 + aside * (s * s));
+        points.push(match lies {
+            true => feeler.laid(p, height).0 + aside * (s * s),
+            false => p + root.normal * height,
+        });
     }
     points.push(end);
     let mut spline = Spline::default();
     // Lifting a point makes its neighbours uneven, and evening out may sink one: a few rounds settle both.
-    for round in 0..6 {
+    for round in 0..ROUNDS {
         if spline.rebuild(points).is_err() {
             return false;
         }
@@ -436,14 +474,16 @@ pub(crate) fn way(
         spline.resample(rules.cvs, |p| points.push(p));
         points[0] = root.point;
         points[rules.cvs - 1] = end;
-        if round == 5 || !lifted(rules, &mut spline, points, root.triangle) {
+        let goes_on = round + 1 < ROUNDS && rules.for_hair.is_some();
+        if !goes_on || !lifted(rules, &mut spline, points, root.triangle) {
             break;
         }
     }
     // In folds that a few rounds do not resolve, and on ridges between two samples, at least the points are out of the
     // skin.
-    let inner = &mut points[1..rules.cvs - 1];
-    lift_each(&rules.skin, inner.iter_mut(), |_| 0.0);
+    if let Some(skin) = rules.for_hair {
+        lift_each(&skin, points[1..rules.cvs - 1].iter_mut(), |_| 0.0);
+    }
     // A border may protrude between two points that are inside.
     let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
     rules.crossing || ground.home.as_ref().is_none_or(stays)
@@ -453,27 +493,28 @@ pub(crate) fn way(
 /// change faster than straight ones.
 const SURE: f32 = 0.5;
 
+/// Rounds in which a hair is lifted and made even.
+const ROUNDS: usize = 6;
+
 /// Queries the scalp below a sequence of nearby points.
 struct Feeler<'a> {
-    surface: &'a Surface,
+    skin: &'a Skin<'a>,
     near: u32,
 }
 
 impl Feeler<'_> {
     fn hit(&mut self, p: Vec3) -> Option<Hit> {
-        let hit = self.surface.closest_from(p, self.near)?;
-        self.near = hit.triangle;
-        Some(hit)
+        self.skin.foot(p, &mut self.near)
     }
     /// Height of a point above the skin, cm.
     fn height(&mut self, p: Vec3) -> f32 {
-        self.hit(p).map_or(0.0, |hit| self.surface.signed_distance(p, &hit))
+        self.hit(p).map_or(0.0, |hit| self.skin.height_over(p, &hit))
     }
     /// [`crate::scalp::lay::laid`].
     fn laid(&mut self, p: Vec3, height: f32) -> (Vec3, Vec3) {
         match self.hit(p) {
             Some(hit) => {
-                let normal = self.surface.smooth_normal(hit.triangle, hit.bary);
+                let normal = self.skin.smooth_normal(&hit);
                 (hit.point + normal * height, normal)
             }
             None => (p, Vec3::ZERO),
@@ -482,13 +523,13 @@ impl Feeler<'_> {
 }
 
 /// `p`, or a point toward its own row that is at least `slack` closer to it than to any other.
-fn kept_at_home(ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
+fn kept_at_home(rules: &Rules, ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
     if ground.is_home(p, slack) {
         return p;
     }
     let home = ground.own.nearest(p).0;
     let (mut out, mut back) = (0.0, 1.0);
-    for _ in 0..8 {
+    for _ in 0..rules.rounds(8) {
         let middle = 0.5 * (out + back);
         if ground.is_home(p.lerp(home, middle), slack) { back = middle } else { out = middle }
     }
@@ -497,7 +538,7 @@ fn kept_at_home(ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
 
 /// Lifts points where the curve between them is below the skin; returns whether any was lifted.
 fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3], near: u32) -> bool {
-    let mut feeler = Feeler { surface: rules.scalp.surface(), near };
+    let mut feeler = Feeler { skin: &rules.skin, near };
     let n = points.len();
     if spline.rebuild(points).is_err() {
         return false;

@@ -635,7 +635,7 @@ impl Bundle {
         tuft.set(ROOT_UV, Domain::Curve, each(roots, |root| root.uv));
         tuft.set(SCALP_NORMAL, Domain::Curve, each(roots, |root| root.normal));
         if let Some(sections) = puff.inputs.scalp.sections() {
-            let id = |root: &Root| sections.id_at(root.point).unwrap_or_default();
+            let id = |root: &Root| sections.id_of(root).unwrap_or_default();
             tuft.set(SECTION, Domain::Curve, each(roots, id));
         }
         tuft.set(FIBRE, Domain::Curve, self.fibres);

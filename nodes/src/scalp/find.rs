@@ -14,7 +14,6 @@ use super::sketch::Sketch;
 use crate::define::NodeError;
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 /// Connected pieces of a mesh: triangles that share vertices.
 pub(crate) struct Pieces {
@@ -358,13 +357,16 @@ impl Pieces {
             }
         }
         let of: Vec<u32> = triangles.iter().map(|t| root(&mut to, t[0])).collect();
-        let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+        // One for each vertex, for a mesh may have as many pieces as triangles.
+        let mut areas = vec![None; points.len()];
         for (t, piece) in triangles.iter().zip(&of) {
             let [a, b, c] = t.map(|v| points[v as usize].as_dvec3());
-            *areas.entry(*piece).or_default() += 0.5 * DVec3::length((b - a).cross(c - a));
+            let area = areas[*piece as usize].get_or_insert(0.0);
+            *area += 0.5 * DVec3::length((b - a).cross(c - a));
         }
-        let mut sorted: Vec<(u32, f64)> = areas.into_iter().collect();
-        sorted.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let pieces = (0..).zip(areas).filter_map(|(vertex, area)| Some((vertex, area?)));
+        let mut sorted: Vec<(u32, f64)> = pieces.collect();
+        sorted.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         for (rank, (vertex, _)) in (0..).zip(&sorted) {
             to[*vertex as usize] = rank;
         }

@@ -75,9 +75,7 @@ impl Skin<'_> {
             let (raised, moved, _) = self.raise_alone(p, height, &mut None);
             return (raised, moved);
         }
-        if (self.rough.is_some() || self.surface.parts_in_from_out())
-            && self.field.is_clear(self.surface, p, height.max(0.0))
-        {
+        if self.stands_off(p, height) {
             return (p, false);
         }
         match self.field.depth(self.surface, p) {
@@ -147,9 +145,12 @@ impl Skin<'_> {
         // creases heads have, and the laws count what is left.
         // The triangle that it came to is near, which makes each look a short one.
         let beside = |moved: Vec3| {
-            let next = self.surface.closest_from(moved, hit.triangle)?;
-            Some((self.surface.signed_distance(moved, &next), next))
+            let next = self.foot(moved, &mut hit.triangle.clone())?;
+            Some((self.height_over(moved, &next), next))
         };
+        if !self.looked(0) {
+            return moved;
+        }
         let mut next = beside(moved);
         for _ in 0..3 {
             match next {

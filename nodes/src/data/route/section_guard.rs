@@ -144,10 +144,13 @@ impl Home<'_> {
         if self.is_clear(p) {
             return Some(p);
         }
-        let surface = self.scalp.surface();
-        let hit = surface.closest_from(p, *near)?;
-        *near = hit.triangle;
-        let height = surface.signed_distance(p, &hit);
+        let (surface, skin) = (self.scalp.surface(), self.scalp.skin());
+        // Most hair hangs far from any skin, where a search takes longest.
+        if skin.stands_off(p, FREE) {
+            return Some(p);
+        }
+        let hit = skin.foot(p, near)?;
+        let height = skin.height_over(p, &hit);
         // From half of it on, hair rises off the skin.
         let lying = (2.0 * (1.0 - height / FREE)).clamp(0.0, 1.0);
         if lying == 0.0 {
