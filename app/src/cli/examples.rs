@@ -12,6 +12,8 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 const TEXT: &str = include_str!("examples.ron");
+/// The kind that writes hair.
+const OUTPUT: &str = "groom_output";
 /// How far the nodes of that file are indented.
 const INDENT: &str = "        ";
 
@@ -37,12 +39,11 @@ fn gives_curves_first(all: &Document, id: &NodeId) -> bool {
     def.and_then(|def| def.outputs.first()).is_some_and(|first| first.ty == Type::Curves)
 }
 
-/// What may end an example of a node: itself, where it gives curves or nothing; else what takes from it.
+/// What may end an example of a node: itself, where it gives curves first; else what takes from it.
 fn shown_by<'a>(all: &'a Document, id: &'a NodeId) -> Vec<&'a NodeId> {
-    let takers = || all.nodes.keys().filter(|to| feeders(all, to).any(|from| from == id));
-    match gives_curves_first(all, id) || takers().next().is_none() {
+    match gives_curves_first(all, id) {
         true => vec![id],
-        false => takers().collect(),
+        false => all.nodes.keys().filter(|to| feeders(all, to).any(|from| from == id)).collect(),
     }
 }
 
@@ -60,9 +61,9 @@ fn text(all: &Document, shown: &NodeId, nodes: &BTreeSet<NodeId>) -> String {
             text += "\n";
         }
     }
-    if gives_curves_first(all, shown) {
+    if all.nodes.get(shown).is_some_and(|node| node.kind != OUTPUT) {
         text += &format!(
-            "{INDENT}\"out\": (kind: \"groom_output\", links: {{\"curves\": \"{shown}.curves\"}}),\n"
+            "{INDENT}\"out\": (kind: \"{OUTPUT}\", links: {{\"curves\": \"{shown}.curves\"}}),\n"
         );
     }
     text + "    },\n)\n"

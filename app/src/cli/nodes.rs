@@ -74,7 +74,9 @@ fn page(stage: &str, node: &NodeDef) -> String {
             &format!("| `{}` | {} | {} |\n", output.name, output.ty.name(), cell(&output.doc()));
     }
     if let Some(example) = example(node.id) {
-        text += &format!("\nExample, to save as a `.ron` file or paste into an empty graph:\n\n```ron\n{example}```\n");
+        text += &format!(
+            "\nExample, to save as a `.ron` file or paste into an empty graph:\n\n```ron\n{example}```\n"
+        );
     }
     text
 }

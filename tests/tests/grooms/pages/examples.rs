@@ -9,7 +9,7 @@ use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::content_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_nodes::data::curves::Curves;
-use coif_nodes::define::{NodeDef, Value};
+use coif_nodes::define::{NodeDef, Type, Value};
 use coif_nodes::eval::Quality;
 use coif_tests::{Folder, repository};
 use std::collections::BTreeMap;
@@ -67,9 +67,11 @@ fn write_density(file: &Path) {
     encoder.write_header().and_then(|mut w| w.write_image_data(&pixels)).expect("a picture");
 }
 
-/// Whether something of the type that a node gives first comes in, so that it can be bypassed.
-fn can_be_bypassed(def: &NodeDef) -> bool {
-    def.outputs.first().is_some_and(|out| def.inputs.iter().any(|input| input.ty == out.ty))
+/// Whether curves come in by wire and go out first, so that the node can be bypassed.
+fn can_be_bypassed(document: &Document, id: &NodeId, def: &NodeDef) -> bool {
+    let wired = |name: &str| document.links.contains_key(&Socket::new(id.clone(), name));
+    let takes = def.inputs.iter().any(|input| input.ty == Type::Curves && wired(input.name));
+    takes && def.outputs.first().is_some_and(|out| out.ty == Type::Curves)
 }
 
 #[test]
@@ -89,7 +91,7 @@ fn the_manual_has_an_example_of_every_node_in_which_the_node_does_something() {
         let (hair, warnings) = bench.hair(kind, &document);
         assert!(warnings.is_empty(), "{kind}: {warnings:?}");
         assert!(hair.curve_count() > 0, "{kind} makes nothing");
-        if kind == "groom_output" || !can_be_bypassed(def) {
+        if kind == "groom_output" || !can_be_bypassed(&document, &id, def) {
             continue;
         }
         let node = document.nodes.get_mut(&id).expect("the node");
