@@ -11,6 +11,7 @@ mod diff;
 mod edit;
 mod ending;
 pub(crate) mod eval;
+mod examples;
 mod fit;
 mod fmt;
 mod given;

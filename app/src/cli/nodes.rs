@@ -1,5 +1,6 @@
 //! `coif nodes`: the manual, printed from the same declarations that make the interface.
 
+use super::examples::example;
 use super::{Exit, complain, print};
 use clap::Args;
 use coif_nodes::data::attributes::DECLARED;
@@ -71,6 +72,11 @@ fn page(stage: &str, node: &NodeDef) -> String {
     for output in node.outputs {
         text +=
             &format!("| `{}` | {} | {} |\n", output.name, output.ty.name(), cell(&output.doc()));
+    }
+    if let Some(example) = example(node.id) {
+        text += &format!(
+            "\nExample, to save as a `.ron` file or paste into an empty graph:\n\n```ron\n{example}```\n"
+        );
     }
     text
 }
@@ -179,5 +185,6 @@ fn as_json(stage: &str, node: &NodeDef) -> Json {
         "doc": node.doc(),
         "inputs": inputs,
         "outputs": outputs,
+        "example": example(node.id),
     })
 }

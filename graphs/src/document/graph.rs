@@ -378,23 +378,26 @@ pub(super) fn problem(
     Problem { severity, needed: true, fault, node, socket, text, remedy: remedy.to_owned() }
 }
 
-/// Outputs whose names come to one in files: those would number them, and nobody knows which is which.
+/// Outputs whose names come to one in files: those would number them, and nobody knows which is which. Guides have places of
+/// their own there, and are meant to have the name of their hair.
 fn same_names(document: &Document, problems: &mut Vec<Problem>) {
-    let mut known: BTreeMap<String, &NodeId> = BTreeMap::new();
+    let mut known: BTreeMap<(String, bool), &NodeId> = BTreeMap::new();
     for (id, node) in document.nodes.iter().filter(|(_, node)| node.kind == "groom_output") {
         let name = match node.inputs.get("name") {
             Some(Setting::Known(Value::Text(name))) if !name.is_empty() => name,
             // One without a name goes by its node.
             _ => id.as_str(),
         };
-        match known.get(&identifier(name)) {
+        let guides = matches!(node.inputs.get("guides"), Some(Setting::Known(Value::Bool(true))));
+        let place = (identifier(name), guides);
+        match known.get(&place) {
             Some(first) => {
                 let text = format!("its name {} is that of {first}, too, in files", short(name));
                 let remedy = "give each output a name of its own: files tell them apart by it";
                 problems.push(problem(Fault::SameName, id, Some("name"), text, remedy));
             }
             None => {
-                known.insert(identifier(name), id);
+                known.insert(place, id);
             }
         }
     }

@@ -1,4 +1,8 @@
-//! The pages on USD files and on reports say what is there: every primvar and every field, by name, type and spread.
+//! The pages on USD files and on reports say what is there: every primvar and every field, by name, type and spread. The pages for
+//! artists and the manual's examples do what they show.
+
+mod artists;
+mod examples;
 
 use super::shipped::shipped;
 use coif_graphs::grooms;
