@@ -2,8 +2,9 @@
 //!
 //! Told from the surface and the region alone, so that it is known before a hair grows. On none of them hair is led around the skin:
 //! what makes that worth its price, that thousands of hairs come by the same ear, is not so there. On what is wide, hair is pushed
-//! out; on what is folded, guides alone are ([`super::skin::Skin::for_hair`]); scraps and tangles have no inside, and nothing is kept
-//! out of them.
+//! out; on what is folded, guides alone are ([`super::skin::Skin::for_hair`]), and no further than to its nearest side; scraps and
+//! tangles have no inside, and nothing is kept out of them. Steps over what is no merely wide mesh ask few triangles
+//! ([`super::skin::Skin::foot`]), and hair between rows goes straight where there is no inside.
 
 use super::scalp::HEAD_RADIUS;
 use crate::maths::closest::Surface;

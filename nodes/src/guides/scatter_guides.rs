@@ -156,7 +156,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         if scalp.uvs().is_some() {
             b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
         }
-        if let Some(section) = scalp.sections().and_then(|s| s.id_of(&root)) {
+        if let Some(section) = scalp.sections().and_then(|s| s.id_of(root)) {
             b.set(SECTION, Domain::Curve, vec![section]);
         }
         Ok([b.build()])
