@@ -22,7 +22,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The nodes that are tried, each with inputs that make little hair.
-const NODES: &[(&str, &[(&str, f32)])] = &[
+pub(crate) const NODES: &[(&str, &[(&str, f32)])] = &[
     ("lissajous_braid", &[]),
     ("braid_territory", &[("density", 2.0)]),
     ("braid_hair", &[]),
@@ -272,7 +272,7 @@ fn hostile(input: &InputDef) -> Vec<Value> {
 }
 
 /// What a node runs with where nothing else is said.
-fn usual(node: &NodeDef, few: &[(&str, f32)]) -> Vec<(&'static str, Value)> {
+pub(crate) fn usual(node: &NodeDef, few: &[(&str, f32)]) -> Vec<(&'static str, Value)> {
     let mut set = vec![];
     let make = |id: &str, set: &[(&'static str, Value)]| {
         let set: Vec<_> = [("scalp", scalp().into())].iter().chain(set).cloned().collect();
