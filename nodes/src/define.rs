@@ -32,6 +32,8 @@ pub struct NodeDef {
     doc: &'static [&'static str],
     /// Makes fewer strands in preview quality, so that quality is in its keys.
     pub thins: bool,
+    /// Its lengths grow with the head, where its input [`SCALES`] is on.
+    pub scales: bool,
     /// Values and wires in.
     pub inputs: &'static [InputDef],
     /// Wires out.
@@ -40,6 +42,9 @@ pub struct NodeDef {
     /// nothing is set or wired. Same arguments, same result.
     pub run: fn(&EvalCx, &[Vec<Value>]) -> Result<Vec<Value>, NodeError>,
 }
+
+/// The input by which a node that can let its lengths grow with the head is told to.
+pub const SCALES: &str = "scale_with_head";
 
 /// One input: its type, default, limits, unit and tooltip.
 pub struct InputDef {
@@ -59,6 +64,8 @@ pub struct InputDef {
     pub soft: Option<(f64, f64)>,
     /// What the number counts.
     pub unit: Unit,
+    /// A true size, whatever the head: it never grows with it.
+    pub fixed: bool,
     /// What people of the trade call it, for the search.
     pub words: &'static str,
     /// What its file holds; none where it takes no file.
@@ -259,6 +266,8 @@ pub enum Unit {
     PerCm,
     /// Things in a square centimetre.
     PerCm2,
+    /// Degrees in a centimetre.
+    AnglePerCm,
 }
 
 impl Unit {
@@ -267,6 +276,7 @@ impl Unit {
         match self {
             Unit::Length => " cm",
             Unit::Angle => " degrees",
+            Unit::AnglePerCm => " degrees per cm",
             Unit::PerCm => " per cm",
             Unit::PerCm2 => " per cm2",
             Unit::None | Unit::Ratio | Unit::Count => "",
@@ -444,6 +454,8 @@ pub trait Input: Sized {
     const ARITY: Arity = Arity::One;
     /// Reads what is set or wired (or the default).
     fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError>;
+    /// Brings what was typed to true centimetres, where a typed one stands for `unit` of them.
+    fn grow(&mut self, _def: &InputDef, _unit: f32) {}
 }
 
 /// A Rust type that an output can have.
@@ -461,13 +473,17 @@ impl Output for Arc<Field> {
     const TYPE: Type = Type::Field;
 }
 
-/// A field with the hard range of the input that holds it, ready to be bound to curves.
+/// A field with the hard range of the input that holds it, ready to be bound to curves. One that is a length is read in true
+/// centimetres: what is typed, drawn as a ramp or painted grows with the head, while an attribute that is a length, also in a
+/// product, is in centimetres already.
 #[derive(Clone, Debug)]
 pub struct FieldInput {
     /// Where the number comes from.
     pub field: Arc<Field>,
-    /// Every value is clamped to this.
+    /// Every value is clamped to this, as it was typed.
     pub range: (f32, f32),
+    /// Centimetres for each one that was typed.
+    unit: f32,
 }
 
 impl FieldInput {
@@ -477,21 +493,11 @@ impl FieldInput {
         tuft: &'a crate::data::curves::Tuft,
         scalp: Option<&Scalp>,
     ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
-        Ok(self.field.on(tuft, scalp, self.range)?)
-    }
-    /// A length on the curves of a tuft, in true centimetres: what is typed, drawn as a ramp or painted stands for so many `unit`s,
-    /// while an attribute that is a length, also in a product, is in centimetres already.
-    pub fn in_cm<'a>(
-        &'a self,
-        tuft: &'a crate::data::curves::Tuft,
-        scalp: Option<&Scalp>,
-        unit: f32,
-    ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
-        Ok(self.field.in_cm(tuft, scalp, self.range, unit)?)
+        Ok(self.field.in_cm(tuft, scalp, self.range, self.unit)?)
     }
     /// The value, when it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
-        self.field.constant().map(|x| x.max(self.range.0).min(self.range.1))
+        self.field.constant().map(|x| x.max(self.range.0).min(self.range.1) * self.unit)
     }
 }
 
@@ -530,6 +536,21 @@ impl Input for f32 {
         };
         Ok(clamped(cx, def, x) as f32)
     }
+    fn grow(&mut self, def: &InputDef, unit: f32) {
+        *self = def.grown(*self, unit);
+    }
+}
+impl Input for Vec3 {
+    const TYPE: Type = Type::Vec3;
+    fn read(_: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        match one(values, def)? {
+            Value::Vec3(x) => Ok(x),
+            other => Err(wrong(def, &other)),
+        }
+    }
+    fn grow(&mut self, def: &InputDef, unit: f32) {
+        *self = self.map(|x| def.grown(x, unit));
+    }
 }
 impl Input for i64 {
     const TYPE: Type = Type::Int;
@@ -552,7 +573,10 @@ impl Input for FieldInput {
             other => return Err(wrong(def, &other)),
         };
         let (lo, hi) = def.hard.unwrap_or((f64::from(f32::MIN), f64::from(f32::MAX)));
-        Ok(Self { field, range: (lo as f32, hi as f32) })
+        Ok(Self { field, range: (lo as f32, hi as f32), unit: 1.0 })
+    }
+    fn grow(&mut self, def: &InputDef, unit: f32) {
+        self.unit = def.grown(1.0, unit);
     }
 }
 
@@ -589,7 +613,6 @@ macro_rules! plain_inputs {
 }
 plain_inputs! {
     bool, Bool <= Bool;
-    Vec3, Vec3 <= Vec3;
     Arc<str>, Text <= Text;
     Arc<ShapeList>, Shapes <= Shapes;
     Arc<Strokes>, Strokes <= Strokes;
@@ -676,6 +699,11 @@ macro_rules! optional {
                 }
                 <$ty as Input>::read(cx, values, def).map(Some)
             }
+            fn grow(&mut self, def: &InputDef, unit: f32) {
+                if let Some(x) = self {
+                    x.grow(def, unit);
+                }
+            }
         }
     )*};
 }
@@ -751,6 +779,7 @@ impl InputDef {
             hard: None,
             soft: None,
             unit: Unit::None,
+            fixed: false,
             words: "",
             holds: None,
             handle: None,
@@ -782,6 +811,7 @@ impl InputDef {
             hard,
             soft,
             unit,
+            fixed: false,
             words: "",
             handle: None,
             idle: None,
@@ -812,6 +842,10 @@ impl InputDef {
         self.unit = unit;
         self
     }
+    pub(crate) const fn fixed(mut self) -> Self {
+        self.fixed = true;
+        self
+    }
     pub(crate) const fn words(mut self, words: &'static str) -> Self {
         self.words = words;
         self
@@ -836,9 +870,21 @@ impl InputDef {
     pub fn has_default(&self) -> bool {
         !matches!(self.preset, Preset::None)
     }
+    /// A number that was typed for it, where a typed centimetre stands for `unit` true ones: lengths grow, and what is counted in
+    /// a centimetre shrinks.
+    pub fn grown(&self, x: f32, unit: f32) -> f32 {
+        match self.unit {
+            _ if self.fixed => x,
+            Unit::Length => x * unit,
+            Unit::PerCm | Unit::AnglePerCm => x / unit,
+            Unit::PerCm2 => x / (unit * unit),
+            Unit::None | Unit::Ratio | Unit::Angle | Unit::Count => x,
+        }
+    }
     /// Tooltip and manual entry.
     pub fn doc(&self) -> String {
-        paragraphs(self.doc)
+        let more = if self.fixed { " It does not grow with the head." } else { "" };
+        paragraphs(self.doc) + more
     }
 }
 
@@ -871,11 +917,24 @@ impl NodeDef {
         outputs: &'static [OutputDef],
         run: fn(&EvalCx, &[Vec<Value>]) -> Result<Vec<Value>, NodeError>,
     ) -> Self {
-        Self { id, version, label, words, doc, thins: false, inputs, outputs, run }
+        Self { id, version, label, words, doc, thins: false, scales: false, inputs, outputs, run }
     }
     pub(crate) const fn thins(mut self) -> Self {
         self.thins = true;
         self
+    }
+    pub(crate) const fn scales(mut self) -> Self {
+        self.scales = true;
+        self
+    }
+    /// Whether lengths grow with the head beside these values: the node is told to, and that counts for something.
+    pub(crate) fn grows(&self, told: bool, values: &[Vec<Value>]) -> bool {
+        let of = |name: &str| {
+            let (i, def) = self.input(name)?;
+            values.get(i)?.first().cloned().or_else(|| def.default())
+        };
+        let idle = self.input(SCALES).and_then(|(_, def)| def.idle);
+        told && idle.is_none_or(|idle| idle(&of).is_none())
     }
     /// Tooltip and manual page.
     pub fn doc(&self) -> String {
@@ -916,7 +975,18 @@ fn paragraphs(lines: &[&str]) -> String {
 
 /// Declares a node. See `shape/resample.rs` for a whole file. A [`Group`] in brackets stands before the first input that is in
 /// it (`cluster/interpolate.rs`).
+///
+/// The flag `thins`: see [`NodeDef::thins`]. The flag `scales`, for nodes with the inputs `scalp` and `scale_with_head`: `eval` gets
+/// all numbers in true centimetres, however they were given, but for those that are `fixed()`; for what else grows with the head
+/// there is [`EvalCx::unit`].
 macro_rules! node {
+    (@head $inputs:ident, $values:ident) => { std::option::Option::None };
+    (@head $inputs:ident, $values:ident, scales $(, $flag:ident)*) => {
+        Option::<&std::sync::Arc<$crate::data::scalp::Scalp>>::from(&$inputs.scalp).filter(|_| NODE.grows($inputs.scale_with_head, $values))
+    };
+    (@head $inputs:ident, $values:ident, $other:ident $(, $flag:ident)*) => {
+        $crate::define::node!(@head $inputs, $values $(, $flag)*)
+    };
     (
         $(#[doc = $doc:literal])*
         $id:literal, version $version:literal, label $label:literal, words $words:literal
@@ -950,13 +1020,18 @@ macro_rules! node {
                 &[$(OutputDef::new::<$out_ty>(stringify!($output), &[$($out_doc),*]),)*],
                 |cx, values| {
                     let mut _at = 0..;
-                    let inputs = Inputs {$(
+                    let mut inputs = Inputs {$(
                         $input: {
                             let i = _at.next().unwrap_or_default();
                             let set: &[Value] = values.get(i).map_or(&[], Vec::as_slice);
                             <$in_ty as $crate::define::Input>::read(cx, set, &INPUTS[i])?
                         },
                     )*};
+                    let cx = &cx.on_head($crate::define::node!(@head inputs, values $(, $flag)*));
+                    let mut _defs = INPUTS.iter();
+                    $(if let Some(def) = _defs.next() {
+                        $crate::define::Input::grow(&mut inputs.$input, def, cx.unit());
+                    })*
                     let outputs: Outputs = eval(cx, inputs)?;
                     Ok(vec![$(Value::from(outputs.$output)),*])
                 },

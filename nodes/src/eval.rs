@@ -186,6 +186,8 @@ pub struct EvalCx<'a> {
     pub host: &'a dyn Host,
     /// What is counted and said.
     pub log: &'a Log,
+    /// True centimetres for each that was typed.
+    unit: f32,
     /// The key and the sections of pieces that run by place.
     by_place: Option<(Key, &'a Sections)>,
 }
@@ -264,7 +266,7 @@ const WAYS: usize = 2;
 impl<'a> EvalCx<'a> {
     /// An evaluation of a node with this key.
     pub fn new(seed: u64, quality: Quality, node: Key, host: &'a dyn Host, log: &'a Log) -> Self {
-        Self { seed, quality, node, node_by_place: None, host, log, by_place: None }
+        Self { seed, quality, node, node_by_place: None, host, log, unit: 1.0, by_place: None }
     }
     /// For pieces that read of the node's scalp's sections what is told by place, in the piece, and nothing else that comes from
     /// them: neither what they hold from outside nor what several of them share. They run again only where partings changed
@@ -287,13 +289,17 @@ impl<'a> EvalCx<'a> {
     pub fn skin<'s>(&self, scalp: &'s Scalp) -> Skin<'s> {
         scalp.skin()
     }
-    /// Centimetres that a typed centimetre stands for: the head's unit where lengths grow with it, which is remarked.
-    pub fn head_unit(&self, scalp: Option<&Scalp>, scale_with_head: bool) -> f32 {
-        let unit = scalp.filter(|_| scale_with_head).map_or(1.0, |scalp| scalp.frame().unit());
+    /// The same where lengths grow with a head, which is remarked; where there is none, a typed centimetre is a centimetre.
+    pub(crate) fn on_head(&self, scalp: Option<&Arc<Scalp>>) -> EvalCx<'a> {
+        let unit = scalp.map_or(1.0, |scalp| scalp.frame().unit());
         if unit != 1.0 {
             self.remark(format!("lengths are multiplied by {unit:.3} for the size of the head"));
         }
-        unit
+        EvalCx { unit, ..*self }
+    }
+    /// True centimetres for each that was typed. Inputs are multiplied already; this is for what else grows with the head.
+    pub fn unit(&self) -> f32 {
+        self.unit
     }
     /// Says something about the whole node.
     pub fn warn(&self, text: impl Into<String>) {

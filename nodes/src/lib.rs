@@ -64,7 +64,7 @@ pub fn by_id(id: &str) -> Option<&'static NodeDef> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::define::{Group, InputDef, Type, Value};
+    use crate::define::{Group, InputDef, SCALES, Type, Unit, Value};
     use std::{collections::BTreeSet, fs, path::Path};
 
     #[test]
@@ -147,6 +147,46 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// (A transform and the head itself stand in the head's own frame, or make it.)
+    #[test]
+    fn lengths_grow_with_the_head_where_a_node_can_be_told_so_and_the_width_of_a_hair_never_does() {
+        let mut fixed = vec![];
+        for node in all() {
+            let told = node.input(SCALES).is_some();
+            assert_eq!(node.scales, told, "{}", node.id);
+            for input in node.inputs {
+                let what = format!("{}.{}", node.id, input.name);
+                let grown = match input.unit {
+                    Unit::Length => 2.0,
+                    Unit::PerCm | Unit::AnglePerCm => 0.5,
+                    Unit::PerCm2 => 0.25,
+                    _ => 1.0,
+                };
+                // An attribute that is a length is in centimetres already: of fields, lengths alone know that.
+                let is_share = input.ty == Type::Field && input.unit != Unit::Length;
+                assert!(!is_share || grown == 1.0, "{what}");
+                match input.fixed {
+                    true => fixed.push(what),
+                    false => assert_eq!(input.grown(1.0, 2.0), grown, "{what}"),
+                }
+            }
+        }
+        assert_eq!(
+            fixed,
+            [
+                "braid_hair.width_root",
+                "braid_hair.width_tip",
+                "edge_partition.width",
+                "baby_hair.width_root",
+                "baby_hair.width_tip",
+                "gather.width",
+                "cluster_to_strands.width_root",
+                "cluster_to_strands.width_tip",
+                "interpolate.width",
+            ]
+        );
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub use colour::Ramp;
 pub(crate) use colour::{of_id, over, swatch};
 
 use coif_nodes::data::attributes::{
-    BRAID, COLOUR, Column, DECLARED, Domain, GROUP, PARENT, SECTION, STRAND, WIDTH,
+    BRAID, COLOUR, Column, Domain, GROUP, PARENT, SECTION, STRAND, WIDTH, unit_of,
 };
 use coif_nodes::data::curves::{Curves, Tuft, View as Values};
 use coif_nodes::data::scalp::Scalp;
@@ -450,13 +450,6 @@ fn attribute(name: &str, curves: &Curves) -> Result<Shown, String> {
         }
         Column::Vec3(_) => paint(|tuft, name| shown(tuft, name, colour::of_direction)),
     })
-}
-
-/// The unit that the meaning of a declared attribute names.
-fn unit_of(name: &str) -> &'static str {
-    let meaning = DECLARED.iter().find(|(n, ..)| *n == name).map_or("", |(.., doc)| doc);
-    let says = |unit: &str| meaning.contains(&format!(", {unit}"));
-    [("cm", "cm"), ("degrees", "degrees")].iter().find(|(u, _)| says(u)).map_or("", |(_, u)| u)
 }
 
 /// Words of an attribute whose values have colours; grey where the tuft has none of this type.

@@ -168,7 +168,7 @@ pub const TYPES: [(&str, Type); 15] = [
 ];
 
 /// What numbers of ports count.
-pub const UNITS: [(&str, Unit); 7] = [
+pub const UNITS: [(&str, Unit); 8] = [
     ("", Unit::None),
     ("ratio", Unit::Ratio),
     ("cm", Unit::Length),
@@ -176,6 +176,7 @@ pub const UNITS: [(&str, Unit); 7] = [
     ("count", Unit::Count),
     ("per cm", Unit::PerCm),
     ("per cm2", Unit::PerCm2),
+    ("degrees per cm", Unit::AnglePerCm),
 ];
 
 /// The interface that a file declares, without what cannot be used of it, and what that is.

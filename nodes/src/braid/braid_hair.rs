@@ -35,7 +35,7 @@ node! {
     /// Wire the hairs of Territory of braids, and the strands and stitches of the Lissajous braid that runs along the
     /// same rows. Set colour and width downstream. Extension hair has its own output, so it can have its own colour.
     "braid_hair", version 1, label "Hair through braids",
-        words "strands plait french dutch cornrow canerow knotless knotted extension tuft tail pick up";
+        words "strands plait french dutch cornrow canerow knotless knotted extension tuft tail pick up", scales;
     inputs {
         /// Hairs from their roots to the braid, from Territory of braids.
         roots: Curves, words("territory hairs");
@@ -85,9 +85,9 @@ node! {
 
         [Thickness]
         /// Diameter of a hair at its root.
-        width_root: f32 = 0.0075, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+        width_root: f32 = 0.0075, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
         /// Diameter of a hair at its tip.
-        width_tip: f32 = 0.0075, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
+        width_tip: f32 = 0.0075, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), fixed(), words("thickness diameter taper");
 
         [Detail]
         /// CVs of a hair per stitch. A hair has at most 255 CVs in all; longer hairs get fewer per stitch.
@@ -129,7 +129,6 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head);
     // Strands and stitches by row; a work item reads those of the rows that its hairs belong to.
     let empty = Curves::default();
     let stitch_curves = inputs.stitches.as_ref().unwrap_or(&empty);
@@ -159,8 +158,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         tip_taper: inputs.tip_taper,
         tip_frizz: inputs.tip_frizz,
         flyaways: inputs.flyaways,
-        flyaway_length: inputs.flyaway_length * unit,
-        unit,
+        flyaway_length: inputs.flyaway_length,
+        unit: cx.unit(),
         dice: cx.dice(inputs.seed, "braid hair"),
     };
     let fill: Vec<_> = all.tufts()[..of_strands]
@@ -168,10 +167,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         .map(|tuft| inputs.fill.on(tuft, scalp))
         .collect::<Result<_, _>>()?;
     let knot = match inputs.root_start {
-        RootStart::Knotted => Some((inputs.knot_size, inputs.knot_length * unit)),
+        RootStart::Knotted => Some((inputs.knot_size, inputs.knot_length)),
         RootStart::Knotless => None,
     };
-    let (turns, height) = (inputs.band_turns, inputs.band_height * unit);
+    let (turns, height) = (inputs.band_turns, inputs.band_height);
     let band = Band::asked(turns, height, inputs.band_tightness);
     let strands_of = |row: u64| -> Option<usize> {
         let tufts = by_row.get(&row)?;

@@ -38,7 +38,7 @@ node! {
     /// hairs to Hair through braids. The rows come out with the attribute girth, the thickness that the braid needs for
     /// the hair picked up so far: wire them to the Lissajous braid and multiply its width by girth.
     "braid_territory", version 1, label "Territory of braids",
-        words "pick up section french dutch cornrow canerow feed in extension add gather roots comb parting row", thins;
+        words "pick up section french dutch cornrow canerow feed in extension add gather roots comb parting row", thins, scales;
     inputs {
         /// The rows, root first: the curves that the braids will follow. They may extend beyond the scalp.
         source: Curves, words("rows braids guides");
@@ -151,14 +151,13 @@ struct Place {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
+    let unit = cx.unit();
     let skin = cx.skin(scalp);
     let (mut lanes, mut rows) = (vec![], vec![]);
     for (tuft, curve) in inputs.source.each() {
         cx.check()?;
         let id = tuft.id(curve);
-        let laid =
-            lengthened(tuft.curve(curve), inputs.tail * unit, inputs.tail_height * unit, &skin);
+        let laid = lengthened(tuft.curve(curve), inputs.tail, inputs.tail_height, &skin);
         let source = match Spline::new(&laid) {
             Ok(source) => source,
             Err(fault) => {
@@ -180,7 +179,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         inputs: &inputs,
         scalp,
         ground: &ground,
-        parting: inputs.parting_width * unit,
+        parting: inputs.parting_width,
         unit,
         dice: cx.dice(inputs.seed, "territory"),
         even: EvenRoots::new(scalp, cx.dice(inputs.seed, "roots")),
@@ -188,8 +187,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         skin,
     };
     // The first part of the list of even roots is hair; there may be more probes.
-    let density = inputs.density / (unit * unit);
-    let last = cx.thinned((f64::from(density) * maker.even.area()).min(20e6) as usize);
+    let last = cx.thinned((f64::from(inputs.density) * maker.even.area()).min(20e6) as usize);
     cx.may_make(&Size::of(&[
         ("hairs of the whole scalp", last as f64),
         ("cvs", inputs.cvs as f64),
@@ -198,8 +196,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let mut counted = vec![];
     for (i, (tuft, curve, _)) in rows.iter().enumerate() {
         let wishes = maker.wishes(tuft, *curve)?;
-        let row =
-            maker.count(i, &wishes, &places[i][..probes[i]], PROBES / inputs.density.max(1e-3))?;
+        let row = maker.count(
+            i,
+            &wishes,
+            &places[i][..probes[i]],
+            maker.probes() / inputs.density.max(1e-3),
+        )?;
         if places[i].is_empty() && row.feed.is_empty() {
             cx.trouble(tuft.id(*curve), "no hair grows on the ground of a row");
         }
@@ -308,7 +310,7 @@ struct Wishes<'a> {
 impl Maker<'_> {
     fn wishes<'t>(&'t self, tuft: &'t Tuft, curve: usize) -> Result<Wishes<'t>, NodeError> {
         let pull = self.inputs.pull_angle.on(tuft, Some(self.scalp))?;
-        let length = self.inputs.length.in_cm(tuft, Some(self.scalp), self.unit)?;
+        let length = self.inputs.length.on(tuft, Some(self.scalp))?;
         Ok(Wishes { tuft, curve, pull, length })
     }
     /// The owner of a position, unless it lies in a parting or too far away.
@@ -330,12 +332,16 @@ impl Maker<'_> {
             section.is_none() || own.is_none() || own == section
         };
         let owner = self.ground.owner(self.scalp, p, of_section)?;
-        let reach = self.inputs.reach * self.unit;
+        let reach = self.inputs.reach;
         (owner.ahead >= self.parting && (reach <= 0.0 || owner.distance <= reach)).then_some(owner)
+    }
+    /// Probe hairs per cm2.
+    fn probes(&self) -> f32 {
+        PROBES / (self.unit * self.unit)
     }
     /// Roots by row, in the order in which density adds them, and the number of probes of each row.
     fn places(&self, cx: &EvalCx, last: usize) -> Result<(Vec<Vec<Place>>, Vec<usize>), NodeError> {
-        let probes = (f64::from(PROBES / (self.unit * self.unit)) * self.even.area()) as usize;
+        let probes = (f64::from(self.probes()) * self.even.area()) as usize;
         let last = last.max(probes);
         let batches = last.div_ceil(BATCH);
         let found: Vec<OnceLock<Vec<Place>>> = (0..batches).map(|_| OnceLock::new()).collect();
@@ -365,7 +371,7 @@ impl Maker<'_> {
     }
     /// Distance from the front of its row to the start of a braid, cm.
     fn start(&self, lane: &Lane) -> f32 {
-        (self.inputs.start * self.unit).min(0.5 * lane.leads.min(lane.row.length()))
+        self.inputs.start.min(0.5 * lane.leads.min(lane.row.length()))
     }
     /// The braided part of a row's source.
     fn behind_start<'s>(&self, lane: &Lane, source: &'s Spline) -> Behind<'s> {
@@ -389,7 +395,7 @@ impl Maker<'_> {
         // The first section is combed to the first stitch. If that is nearer, later hair catches up, so that neighbours
         // stay neighbours.
         let start = self.start(lane);
-        let behind = 2.0 * (x - self.inputs.start * self.unit);
+        let behind = 2.0 * (x - self.inputs.start);
         let x = behind.min(x - start).min(last - start).max(0.0);
         let length = wishes.length.along(wishes.tuft, wishes.curve, place.owner.u);
         let cut = 1.0 - self.inputs.length_variation * self.dice.unit(id, 1);
@@ -421,7 +427,7 @@ impl Maker<'_> {
         let feed = self.feed(lane, (wishes.tuft, wishes.curve))?;
         for u in &feed {
             joins[bin(*u)] += share;
-            let end = u + self.inputs.feed_length * self.unit / (CRIMP * braided);
+            let end = u + self.inputs.feed_length / (CRIMP * braided);
             if self.inputs.feed_length > 0.0 && end < 1.0 {
                 ends[bin(end)] += share;
             }
@@ -454,7 +460,7 @@ impl Maker<'_> {
             return Ok(vec![]);
         }
         let braided = lane.length - self.start(lane);
-        let from = (self.inputs.feed_from * self.unit / braided).min(1.0);
+        let from = (self.inputs.feed_from / braided).min(1.0);
         const STEPS: usize = 128;
         let mut sums = vec![0.0f32];
         for k in 0..STEPS {
@@ -510,7 +516,7 @@ impl Maker<'_> {
             let map = map(place.side);
             let from = map.locate(place.root.point, &mut found);
             // Roots under the braid are combed along beneath it.
-            let edge = 0.5 * self.inputs.braid_width * self.unit * girth_at(counted, u);
+            let edge = 0.5 * self.inputs.braid_width * girth_at(counted, u);
             let beside = edge.min(0.8 * map.beside(from));
             let end = (start + u * (lane.length - start)) / lane.row.length();
             let to = (map.column(end), beside);
@@ -657,7 +663,7 @@ impl Maker<'_> {
                 counted.first * self.dice.unit(id, 3)
             });
         }
-        let fibre = vec![self.inputs.feed_length * self.unit; ids.len()];
+        let fibre = vec![self.inputs.feed_length; ids.len()];
         out.set(ID, Domain::Curve, ids);
         out.set(PARENT, Domain::Curve, vec![lane.id]);
         out.set(ALONG, Domain::Curve, along);

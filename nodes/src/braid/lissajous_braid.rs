@@ -37,7 +37,7 @@ node! {
     /// With stitches by spacing, a longer source adds stitches and keeps the existing ones. A varying spacing shortens
     /// stitches where the braid is thinner, down to two fifths of the longest.
     "lissajous_braid", version 1, label "Lissajous braid",
-    words "braid plait cornrow canerow knots dutch french english fishtail rope twist two strand box braids fulani ghana goddess pigtail dookie hair curves";
+    words "braid plait cornrow canerow knots dutch french english fishtail rope twist two strand box braids fulani ghana goddess pigtail dookie hair curves", scales;
     inputs {
         /// Curves to braid along, root first; one braid each.
         source: Curves, words("guide spine path");
@@ -266,8 +266,8 @@ fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     let mut all = 0.0;
     for tuft in inputs.source.tufts() {
         let count = inputs.stitches.on(tuft, scalp)?;
-        let spacing = inputs.stitch_spacing.in_cm(tuft, scalp, plan.unit)?;
-        let width = inputs.width.in_cm(tuft, scalp, plan.unit)?;
+        let spacing = inputs.stitch_spacing.on(tuft, scalp)?;
+        let width = inputs.width.on(tuft, scalp)?;
         for curve in 0..tuft.len() {
             let most = |field: &Sampler| {
                 (0..=64).map(|k| field.along(tuft, curve, k as f32 / 64.0)).fold(0.0, f32::max)
@@ -299,8 +299,6 @@ struct Plan<'a> {
     inputs: &'a Inputs,
     weave: Weave,
     paths: Paths,
-    /// Centimetres per unit of the lengths.
-    unit: f32,
     facing: Facing,
     below: Option<Below<'a>>,
     loose: Dice,
@@ -347,13 +345,6 @@ impl<'a> Plan<'a> {
                 "the formula of the talk lets {strands} strands pass through each other; formula weave does not"
             ));
         }
-        let unit = match scalp {
-            Some(scalp) if inputs.scale_with_head => scalp.frame().unit(),
-            _ => 1.0,
-        };
-        if unit != 1.0 {
-            cx.remark(format!("lengths are scaled with the head by {unit:.3}"));
-        }
         let contact = match inputs.scalp_intersection {
             Intersection::Flatten => Contact::Flatten,
             Intersection::PushOut => Contact::PushOut,
@@ -363,7 +354,6 @@ impl<'a> Plan<'a> {
             inputs,
             weave,
             paths: Paths::new(&weave),
-            unit,
             facing,
             below: scalp.map(|scalp| Below { scalp, skin: cx.skin(scalp), contact }),
             loose: cx.dice(inputs.seed, "looseness"),
@@ -387,7 +377,7 @@ fn braid(
     curve: usize,
     piece: &mut Piece,
 ) -> Result<Option<[Tuft; 3]>, NodeError> {
-    let (inputs, unit, source_id) = (plan.inputs, plan.unit, tuft.id(curve));
+    let (inputs, source_id) = (plan.inputs, tuft.id(curve));
     let source = match Spline::new(tuft.curve(curve)) {
         Ok(source) => source,
         Err(fault) => {
@@ -399,10 +389,15 @@ fn braid(
     let braid_id = curve_id(source_id, tag, BRAID_ITSELF);
     let ids: Vec<u64> = (0..u64::from(strands)).map(|i| curve_id(source_id, tag, i)).collect();
     let scalp = inputs.scalp.as_deref();
-    let [width, height, spacing] = [&inputs.width, &inputs.height, &inputs.stitch_spacing]
-        .map(|field| field.in_cm(tuft, scalp, unit));
-    let [roll, fullness, count] =
-        [&inputs.roll, &inputs.fullness, &inputs.stitches].map(|field| field.on(tuft, scalp));
+    let [width, height, spacing, roll, fullness, count] = [
+        &inputs.width,
+        &inputs.height,
+        &inputs.stitch_spacing,
+        &inputs.roll,
+        &inputs.fullness,
+        &inputs.stitches,
+    ]
+    .map(|field| field.on(tuft, scalp));
     let (width, height, roll, fullness) = (width?, height?, roll?, fullness?);
 
     // A rope is as high as it is wide.
@@ -426,7 +421,7 @@ fn braid(
         (taper * w / full_w, taper * h / full_h)
     };
     // A braid that sinks into skin it is pressed onto is a flatter braid.
-    let offset = inputs.scalp_offset * unit;
+    let offset = inputs.scalp_offset;
     let pressing = plan.facing == Facing::Skin
         && plan.below.as_ref().is_some_and(|below| below.contact == Contact::Flatten);
     let (depth, raise) = if pressing {
@@ -438,7 +433,7 @@ fn braid(
 
     let length = source.length();
     let tied_at = length * inputs.tie;
-    let tuft_length = match inputs.tuft_length * unit {
+    let tuft_length = match inputs.tuft_length {
         asked if asked > 0.0 => asked,
         _ => length - tied_at,
     };
@@ -495,7 +490,7 @@ fn braid(
         flare: inputs.flare,
         phase: f64::from(inputs.phase) / 360.0,
         cvs_per_stitch: inputs.cvs_per_stitch as usize,
-        gather: inputs.root_gather * unit,
+        gather: inputs.root_gather,
         scale: &scale,
         roll: &|u| (roll.along(tuft, curve, u) + inputs.roll_ramp.at(u)).to_radians(),
         facing: plan.facing,
@@ -603,8 +598,8 @@ fn braid(
             id: *id,
         })
         .collect();
-    let hairs = (inputs.flyaways / unit * tied_at).round() as usize;
-    let longest = inputs.flyaway_length * unit;
+    let hairs = (inputs.flyaways * tied_at).round() as usize;
+    let longest = inputs.flyaway_length;
     let skin = plan.below.as_ref().filter(|below| below.contact != Contact::Allow);
     let skin = skin.map(|below| &below.skin);
     let strays =

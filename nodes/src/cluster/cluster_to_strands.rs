@@ -36,7 +36,7 @@ node! {
     /// Density fills the cluster, twist turns its cross-section from CV to CV and makes ropes, frizz lets each strand wander.
     /// Editing a cluster rebuilds only its own strands; a higher density only adds strands.
     "cluster_to_strands", version 1, label "Cluster to strands",
-        words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins;
+        words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins, scales;
     inputs {
         /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth are used where an input reads
         /// them.
@@ -81,9 +81,9 @@ node! {
 
         [Thickness]
         /// Diameter of a hair at its root.
-        width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+        width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
         /// Diameter of a hair at its tip. Equal widths take less memory; Set width can taper at the end of the graph.
-        width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), words("thickness diameter taper");
+        width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), fixed(), words("thickness diameter taper");
 
         [Detail]
         /// CVs per strand, including root and tip. Strongly twisted clusters get more, to turn at most 30 degrees per CV, up to
@@ -135,7 +135,7 @@ pub(super) const COARSE: &str = "strands of a cluster have all the points that m
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head);
+    let unit = cx.unit();
     let skin = scalp.map(|scalp| cx.skin(scalp));
     let filler = Filler {
         roots: cx.dice(inputs.seed, "roots"),
@@ -144,7 +144,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         seed: inputs.seed,
         scalp,
         skin,
-        shape: Shape::asked(&inputs, unit, cx.dice(inputs.seed, "shape")),
+        shape: Shape::asked(&inputs, cx.dice(inputs.seed, "shape")),
     };
     // How many strands a cluster of a density and radius (cm) asks for.
     let strands_in = |density: f32, radius: f32| match inputs.count {
@@ -162,7 +162,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (mut thin, mut example) = (0, None);
     for tuft in inputs.curves.tufts() {
         cx.check()?;
-        let radius = inputs.radius.in_cm(tuft, scalp, unit)?;
+        let radius = inputs.radius.on(tuft, scalp)?;
         let (density, other) = (inputs.density.on(tuft, scalp)?, inputs.flatness.on(tuft, scalp)?);
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
@@ -239,12 +239,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let sampled = super::cross_sections::Asked {
             points: inputs.points as usize,
             most_points: inputs.most_points as usize,
-            radius: &inputs.radius.in_cm(tuft, scalp, unit)?,
+            radius: &inputs.radius.on(tuft, scalp)?,
             profile: &inputs.profile,
             flatness: &inputs.flatness.on(tuft, scalp)?,
             flat_angle: inputs.flat_angle,
             frizz: &inputs.frizz.on(tuft, scalp)?,
-            frizz_step: inputs.frizz_step * unit,
+            frizz_step: inputs.frizz_step,
             least: least(density),
             twist: &inputs.twist.on(tuft, scalp)?,
         };
@@ -286,15 +286,15 @@ struct Filler<'a> {
 
 impl Shape {
     /// The shape that inputs ask for.
-    fn asked(inputs: &Inputs, unit: f32, dice: Dice) -> Option<Self> {
+    fn asked(inputs: &Inputs, dice: Dice) -> Option<Self> {
         let shape = Shape {
             wisps: inputs.wisps as usize,
             root_clump: inputs.root_clump,
             tip_clump: inputs.tip_clump,
             shorter: inputs.length_variation,
-            jitter: inputs.jitter * unit,
+            jitter: inputs.jitter,
             stray: inputs.stray,
-            stray_amount: inputs.stray_amount * unit,
+            stray_amount: inputs.stray_amount,
             dice,
         };
         shape.changes_anything().then_some(shape)

@@ -34,7 +34,7 @@ node! {
     /// Each hair blends the guides nearest to its root and follows the curve of the scalp. Combing a guide rebuilds only the
     /// hair around it; a higher density only adds hair.
     "interpolate", version 1, label "Interpolate",
-        words "hair generate grow fill children between guides from curves density populate xgen description primitives fur", thins;
+        words "hair generate grow fill children between guides from curves density populate xgen description primitives fur", thins, scales;
     inputs {
         /// Guides to follow.
         guides: Curves;
@@ -51,7 +51,7 @@ node! {
         /// Share of the hairs to keep; usually a painted mask.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region paint thin");
         /// Diameter of the hair.
-        width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+        width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
 
         [Placement]
         /// Guides blended per hair. More is smoother; fewer keeps the character of the guides; 1 copies the nearest.
@@ -98,15 +98,14 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let guides = one_each(&inputs.guides);
     let asked = super::plan::Asked {
         count: (inputs.by == By::Count).then_some(inputs.count as usize),
-        density: inputs.density / (unit * unit),
+        density: inputs.density,
         mask: &inputs.mask,
         points: inputs.points as usize,
         neighbours: inputs.guides_per_hair as usize,
-        reach: inputs.reach * unit,
+        reach: inputs.reach,
         seed: inputs.seed,
     };
     if let (Some(count), Some(1.0)) = (asked.count, inputs.mask.constant()) {

@@ -168,21 +168,26 @@ pub struct Declared<T> {
     pub doc: &'static str,
 }
 
+/// What the values of a declared attribute count: `cm` (true centimetres), `degrees`, or nothing.
+pub fn unit_of(name: &str) -> &'static str {
+    UNITS.iter().find(|(declared, _)| *declared == name).map_or("", |(_, unit)| unit)
+}
+
 /// Whether an attribute is declared as a length, in true centimetres.
 pub(super) fn is_length(name: &str) -> bool {
-    LENGTHS.iter().any(|(declared, cm)| *declared == name && *cm)
+    unit_of(name) == "cm"
 }
 
 macro_rules! declare {
-    ($($(#[doc = $doc:literal])* $id:ident: $ty:ty = $name:literal, $default:expr $(, $cm:ident)?;)*) => {
+    ($($(#[doc = $doc:literal])* $id:ident: $ty:ty = $name:literal, $default:expr $(, $unit:ident)?;)*) => {
         $($(#[doc = $doc])* pub const $id: Declared<$ty> =
             Declared { name: $name, default: $default, doc: concat!($($doc),*) };)*
         /// Name, type and meaning of every declared attribute, for the manual.
         pub const DECLARED: &[(&str, &str, &str)] =
             &[$(($name, stringify!($ty), concat!($($doc),*))),*];
 
-        /// Whether each is a length in centimetres.
-        const LENGTHS: &[(&str, bool)] = &[$(($name, stringify!($($cm)?).len() == "cm".len())),*];
+        /// What the values of each count.
+        const UNITS: &[(&str, &str)] = &[$(($name, stringify!($($unit)?))),*];
 
         fn declared_default(name: &str) -> Option<Column> {
             match name {
@@ -215,7 +220,7 @@ declare! {
     /// Diameter of a hair, cm.
     WIDTH: f32 = "width", 0.008, cm;
     /// Rotation about the curve of what follows it, degrees, accumulated from the root.
-    ROLL: f32 = "roll", 0.0;
+    ROLL: f32 = "roll", 0.0, degrees;
     /// How far strands wander from their cluster, 0 to 1.
     FRIZZ: f32 = "frizz", 0.0;
     /// How densely a cluster is filled, 0 to 1.
@@ -268,16 +273,32 @@ declare! {
     /// Id of the puff, bun or tail that a hair belongs to. 0: none.
     PUFF: u64 = "puff", 0;
     /// Centre of the outline that the tips of a puff lie on, cm.
-    PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO;
+    PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO, cm;
     /// Distance from the puff's centre to its outline at the end of this hair, cm; 0: none.
     PUFF_RADIUS: f32 = "puff_radius", 0.0, cm;
     /// Requested angle from the top of a puff down to which its tips reach, degrees; 0: unknown.
-    PUFF_COVERAGE: f32 = "puff_coverage", 0.0;
+    PUFF_COVERAGE: f32 = "puff_coverage", 0.0, degrees;
     /// Requested roughness of a puff's outline: how much deeper the innermost tips end than the outermost, as a
     /// fraction of the radius; how far tips may lie off the outline, cm; and the fraction of hairs that may stick out.
     PUFF_EDGE: Vec3 = "puff_edge", Vec3::ZERO;
     /// Centre of the ring where hair leaves the tie that holds it, cm.
-    TIE: Vec3 = "tie", Vec3::ZERO;
+    TIE: Vec3 = "tie", Vec3::ZERO, cm;
     /// Radius of that ring, cm; 0: no tie holds the hair.
     TIE_RADIUS: f32 = "tie_radius", 0.0, cm;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_attribute_counts_what_its_meaning_says() {
+        // (An edge holds three numbers, of which one is a length.)
+        for (name, _, meaning) in DECLARED.iter().filter(|(name, ..)| *name != PUFF_EDGE.name) {
+            for unit in ["cm", "degrees"] {
+                let says = meaning.contains(&format!(", {unit}"));
+                assert_eq!(says, unit_of(name) == unit, "{name}: {meaning}");
+            }
+        }
+    }
 }

@@ -31,7 +31,7 @@ node! {
     /// of which the first point is used) and braid or fill the result. Clearance is half the thickness of what runs
     /// along the curve, so that its surface, not the curve, rests on the skin.
     "hang", version 1, label "Hang",
-        words "gravity fall drape simulate simulation dynamics collide collision rest shoulders free hanging locs twists long hair droop dangle";
+        words "gravity fall drape simulate simulation dynamics collide collision rest shoulders free hanging locs twists long hair droop dangle", scales;
     inputs {
         /// Curves whose first points are the roots.
         roots: Curves, words("source guides");
@@ -106,8 +106,7 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    let (threads, from) = threads(cx, &inputs, unit)?;
+    let (threads, from) = threads(cx, &inputs)?;
     let skin = scalp.map(|scalp| cx.skin(scalp));
     let (up, swing) = match scalp.map(Scalp::frame) {
         Some(frame) => (frame.up, frame.vector_from_head(inputs.swing)),
@@ -116,7 +115,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let fall = Fall {
         skin,
         down: (swing - up).try_normalize().unwrap_or(-up),
-        hold: inputs.hold * unit,
+        hold: inputs.hold,
         separate: inputs.separate,
         stray: (inputs.variation.to_radians(), cx.dice(inputs.seed, "stray")),
         points: inputs.points as usize,
@@ -157,14 +156,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 /// What is to fall, and the curve that each comes from.
 type Threads<'a> = (Vec<Thread>, Vec<(&'a Tuft, usize)>);
 
-fn threads<'a>(cx: &EvalCx, inputs: &'a Inputs, unit: f32) -> Result<Threads<'a>, NodeError> {
+fn threads<'a>(cx: &EvalCx, inputs: &'a Inputs) -> Result<Threads<'a>, NodeError> {
     let scalp = inputs.scalp.as_deref();
     let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
     let (mut threads, mut from) = (vec![], vec![]);
     for tuft in inputs.roots.tufts() {
-        let length = inputs.length.in_cm(tuft, scalp, unit)?;
-        let clearance = inputs.clearance.in_cm(tuft, scalp, unit)?;
-        let stiffness = inputs.stiffness.in_cm(tuft, scalp, unit)?;
+        let length = inputs.length.on(tuft, scalp)?;
+        let clearance = inputs.clearance.on(tuft, scalp)?;
+        let stiffness = inputs.stiffness.on(tuft, scalp)?;
         let lie = inputs.lie.on(tuft, scalp)?;
         for i in 0..tuft.len() {
             let parent = tuft.id(i);
@@ -230,7 +229,8 @@ impl Inputs {
                     let sideways = self.direction * Vec3::new(side, 1.0, 1.0);
                     frame.vector_from_head(sideways.lerp(Vec3::NEG_Y, behind))
                 };
-                let side = if at.x < self.parted_at { -1.0 } else { 1.0 };
+                let x = at.x * frame.unit();
+                let side = if x < self.parted_at { -1.0 } else { 1.0 };
                 // A drawn parting does not exactly match the requested one: the drawn one decides.
                 let step = ASIDE * frame.unit();
                 let leads_over = |side: f32| {
@@ -238,7 +238,7 @@ impl Inputs {
                     let sections = scalp.and_then(Scalp::sections);
                     sections.is_some_and(|sections| sections.crosses(p, p + along * step))
                 };
-                let near = (at.x - self.parted_at).abs() < ASIDE;
+                let near = (x - self.parted_at).abs() < step;
                 let turned = near && leads_over(side) && !leads_over(-side);
                 // Without a requested parting, the scalp's partings decide: hair falls to the side that is not cut off.
                 let cut_off = |side: f32| {

@@ -28,7 +28,7 @@ node! {
     /// Comb them with the pen, use them as clusters and fill them, or wire them to Interpolate to grow a short groom at
     /// once. Raising the count adds guides and keeps the existing ones. A soft region mask thins them out.
     "scatter_guides", version 1, label "Scatter guides",
-        words "guides guide init plant distribute populate roots crown whorl cowlick flow short hair generate grow";
+        words "guides guide init plant distribute populate roots crown whorl cowlick flow short hair generate grow", scales;
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
@@ -124,15 +124,14 @@ const WHORL_REACH: f32 = 3.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
-    let roots = roots(cx, &inputs, unit)?;
+    let roots = roots(cx, &inputs)?;
     let bound = bound(&roots, inputs.seed);
-    let length = inputs.length.in_cm(&bound, Some(scalp), unit)?;
+    let length = inputs.length.on(&bound, Some(scalp))?;
     let lie = inputs.lie.on(&bound, Some(scalp))?;
-    let radius = inputs.radius.in_cm(&bound, Some(scalp), unit)?;
+    let radius = inputs.radius.on(&bound, Some(scalp))?;
     let skin = cx.skin(scalp);
     let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
-    let grower = Grower { scalp, skin, inputs: &inputs, unit };
+    let grower = Grower { scalp, skin, inputs: &inputs, unit: cx.unit() };
     let key = |i: usize| {
         let (index, root) = &roots[i];
         KeyBuilder::new("guide").int(u64::from(*index)).vec3(root.point).vec3(root.normal).finish()
@@ -165,19 +164,19 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 }
 
 /// Roots with their index in the list of even roots.
-fn roots(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<(u32, Root)>, NodeError> {
+fn roots(cx: &EvalCx, inputs: &Inputs) -> Result<Vec<(u32, Root)>, NodeError> {
     let scalp = &*inputs.scalp;
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
     let wanted = match inputs.by {
         By::Count => inputs.count as f64,
-        By::Density => (f64::from(inputs.density / (unit * unit)) * even.region_area()).min(1e5),
+        By::Density => (f64::from(inputs.density) * even.region_area()).min(1e5),
     };
     let wanted = wanted.round() as usize;
     if inputs.mask.constant() == Some(1.0) {
         cx.may_make(&Size::of(&[("count", wanted as f64), ("points", inputs.points as f64)]))?;
     }
     let keep = cx.dice(inputs.seed, "mask");
-    let mut apart = Apart::new(even.area() as f32, inputs.min_distance * unit);
+    let mut apart = Apart::new(even.area() as f32, inputs.min_distance);
     let mut out: Vec<(u32, Root)> = vec![];
     // Masks are read for many candidates at a time.
     const BATCH: u32 = 1024;
@@ -228,6 +227,7 @@ struct Grower<'a> {
     scalp: &'a Scalp,
     skin: Skin<'a>,
     inputs: &'a Inputs,
+    /// Centimetres per head unit.
     unit: f32,
 }
 

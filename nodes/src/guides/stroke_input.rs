@@ -26,7 +26,7 @@ node! {
     ///
     /// Draw them on the head in the viewport. Strokes are projected onto the scalp, or kept as drawn in space with the
     /// root on the scalp.
-    "stroke_input", version 1, label "Stroke input", words "draw pen pencil sketch stylus curve guide row parting line tablet";
+    "stroke_input", version 1, label "Stroke input", words "draw pen pencil sketch stylus curve guide row parting line tablet", scales;
     inputs {
         /// The strokes, root first. Draw them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("drawn pen");
@@ -104,7 +104,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let size = Size::of(&[("samples of strokes", samples as f64)]);
     let [curves] = cx.each_item(drawn.len(), &size, key, |i, piece| {
         let (stroke, mirrored) = drawn[i];
-        Ok([drawn_curve(&inputs, stroke, mirrored, &skin, piece)?])
+        Ok([drawn_curve(&inputs, stroke, mirrored, (&skin, cx.unit()), piece)?])
     })?;
     Ok(Outputs { curves })
 }
@@ -114,12 +114,11 @@ fn drawn_curve(
     inputs: &Inputs,
     stroke: &Stroke,
     mirrored: bool,
-    skin: &Skin,
+    (skin, unit): (&Skin, f32),
     piece: &mut Piece,
 ) -> Result<Tuft, NodeError> {
     piece.tick()?;
     let scalp = &*inputs.scalp;
-    let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
     let id = curve_id(stroke.id, inputs.seed as u64, u64::from(mirrored));
     let side = if mirrored { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
     let (mut points, mut pressures): (Vec<Vec3>, Vec<f32>) = (vec![], vec![]);
@@ -140,8 +139,8 @@ fn drawn_curve(
         let (i, t) = hand.place(part * hand.length());
         pressures[i] + (pressures[(i + 1).min(pressures.len() - 1)] - pressures[i]) * t
     };
-    let smooth = hand.smoothed(inputs.smoothing * unit);
-    let spacing = inputs.spacing * unit;
+    let smooth = hand.smoothed(inputs.smoothing);
+    let spacing = inputs.spacing;
     let fine = ((smooth.length() / (0.25 * spacing)).ceil() as usize).clamp(8, polyline::MOST);
     let mut line = smooth.evenly(fine + 1);
     let met =
@@ -196,8 +195,8 @@ fn drawn_curve(
         tuft.set(DRIFT, Domain::Curve, vec![root.point.distance(drawn)]);
     }
     let bound = tuft.build();
-    let radius = inputs.radius.in_cm(&bound, Some(scalp), unit)?;
-    let offset = inputs.offset.in_cm(&bound, Some(scalp), unit)?;
+    let radius = inputs.radius.on(&bound, Some(scalp))?;
+    let offset = inputs.offset.on(&bound, Some(scalp))?;
     let by_pressure = |k: usize| 1.0 + inputs.pressure_radius * (pressure[k] - 1.0);
     let radii = (0..n).map(|k| radius.at(0, k, part(k)) * by_pressure(k)).collect();
     if inputs.project == Project::Scalp {

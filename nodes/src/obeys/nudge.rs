@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 node! {
     /// Moves every point of hair anywhere.
-    "nudge", version 1, label "Nudge", words "test";
+    "nudge", version 1, label "Nudge", words "test", scales;
     inputs {
         /// Hair to change.
         curves: Curves;
@@ -38,13 +38,12 @@ node! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let far = inputs.far * cx.head_unit(scalp, inputs.scale_with_head);
     let dice = cx.dice(inputs.seed, "nudge");
     let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let nudged = piece.bend(&route, tuft, |_, i, new| {
             let by = |k: u64| Vec3::from([0, 1, 2].map(|a| dice.signed(tuft.id(i), 3 * k + a)));
-            (0..).zip(new).for_each(|(k, p)| *p += by(k) * far);
+            (0..).zip(new).for_each(|(k, p)| *p += by(k) * inputs.far);
         })?;
         Ok([nudged])
     })?;

@@ -31,7 +31,7 @@ node! {
     ///
     /// Natural edges stand softly off the skin; laid edges are combed flat along the hairline; swooped edges lie in
     /// S-waves, one lock at a time. On a parted scalp they stay in their sections.
-    "baby_hair", version 1, label "Baby hair", words "edges baby hair hairline laid swoop swooped slick fuzz wisp fringe border fine short", thins;
+    "baby_hair", version 1, label "Baby hair", words "edges baby hair hairline laid swoop swooped slick fuzz wisp fringe border fine short", thins, scales;
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
@@ -72,9 +72,9 @@ node! {
 
         [Thickness]
         /// Diameter at the root; baby hair is finer than other hair.
-        width_root: f32 = 0.004, hard(0.0001, 1.0), soft(0.001, 0.01), unit(Length), words("thickness diameter");
+        width_root: f32 = 0.004, hard(0.0001, 1.0), soft(0.001, 0.01), unit(Length), fixed(), words("thickness diameter");
         /// Diameter at the tip.
-        width_tip: f32 = 0.0012, hard(0.0001, 1.0), soft(0.0003, 0.01), unit(Length), words("thickness diameter taper");
+        width_tip: f32 = 0.0012, hard(0.0001, 1.0), soft(0.0003, 0.01), unit(Length), fixed(), words("thickness diameter taper");
 
         [Detail]
         /// CVs per hair, root and tip included.
@@ -118,18 +118,17 @@ const STEPS: usize = 28;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let Some(hairline) = hairlines(scalp).into_iter().next() else {
         cx.warn("the scalp has no hairline: hair grows nowhere or everywhere");
         return Ok(Outputs { curves: Curves::default() });
     };
     cx.check()?;
-    let count = (inputs.per_cm / unit * hairline.line.length()).round() as usize;
+    let count = (inputs.per_cm * hairline.line.length()).round() as usize;
     let count = cx.thinned(count.min(2_000_000));
     let maker = Maker {
         inputs: &inputs,
         scalp,
-        unit,
+        unit: cx.unit(),
         hairline,
         spot: [cx.dice(inputs.seed, "place").unit(0, 0), cx.dice(inputs.seed, "place").unit(0, 1)],
         dice: cx.dice(inputs.seed, "hair"),
@@ -149,6 +148,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 struct Maker<'a> {
     inputs: &'a Inputs,
     scalp: &'a Scalp,
+    /// Centimetres per head unit.
     unit: f32,
     hairline: Hairline,
     spot: [f32; 2],
@@ -177,19 +177,19 @@ impl Maker<'_> {
         let root = self.scalp.closest_root(edge + inward * depth)?;
         let p = frame.head_from_vector(root.point - frame.origin) / frame.radius;
         let front = p.z.abs().min(1.0);
-        let x = p.x - self.inputs.parted_at * self.unit / frame.radius;
+        let x = p.x - self.inputs.parted_at / frame.radius;
         let away =
             frame.right * (x.signum() * front) - frame.up * (1.0 - front) - frame.forward * 0.2;
         let along = if tangent.dot(away) < 0.0 { -tangent } else { tangent };
         let out = across(-inward, root.normal).unwrap_or_else(|| any_normal(root.normal));
         let along = across(along, root.normal).unwrap_or(out);
-        let depth = (depth / (self.inputs.band * self.unit).max(1e-3)).clamp(0.0, 1.0);
+        let depth = (depth / self.inputs.band.max(1e-3)).clamp(0.0, 1.0);
         Some(Start { root, out, along, depth })
     }
 
     fn hairs(&self, range: std::ops::Range<usize>, piece: &mut Piece) -> Result<Tuft, NodeError> {
         let inputs = self.inputs;
-        let (band, ahead) = (inputs.band * self.unit, inputs.ahead * self.unit);
+        let (band, ahead) = (inputs.band, inputs.ahead);
         let mut starts = vec![];
         for i in range {
             piece.tick()?;
@@ -214,7 +214,7 @@ impl Maker<'_> {
         let mask = inputs.mask.on(&bound, Some(self.scalp))?;
 
         let n = inputs.points as usize;
-        let locks = (self.hairline.line.length() / (inputs.lock * self.unit)).ceil().max(1.0);
+        let locks = (self.hairline.line.length() / inputs.lock).ceil().max(1.0);
         let mut middles: BTreeMap<u64, Option<Vec<Vec3>>> = BTreeMap::new();
         let (mut ids, mut groups, mut roots, mut points) = (vec![], vec![], vec![], vec![]);
         for (slot, (id, part, start)) in starts.iter().enumerate() {
@@ -235,13 +235,13 @@ impl Maker<'_> {
                     .or_insert_with(|| {
                         let part = (lock as f32 + 0.5) / locks;
                         let start = self.start(part, 0.5 * band)?;
-                        self.walked(&start, lock, None, inputs.length * self.unit)
+                        self.walked(&start, lock, None, inputs.length)
                     })
                     .as_deref(),
                 false => None,
             };
             let short = inputs.length_variation * self.dice.unit(*id, 0);
-            let length = inputs.length * self.unit * (1.0 - short) * (0.65 + 0.35 * start.depth);
+            let length = inputs.length * (1.0 - short) * (0.65 + 0.35 * start.depth);
             let Some(walk) = self.walked(start, lock, Some(*id), length) else { continue };
             if self.laid_out(start, &walk, middle, *id, n, &mut points) {
                 ids.push(*id);
@@ -281,7 +281,7 @@ impl Maker<'_> {
             |index: u64| id.map_or(0.0, |id| self.dice.signed(id, index)) * inputs.unevenness;
         let of_lock = |index: u64| self.locks.signed(lock, index) * inputs.unevenness;
         let asked = inputs.direction.to_radians();
-        let (wave, wave_length) = (inputs.wave.to_radians(), inputs.wave_length * self.unit);
+        let (wave, wave_length) = (inputs.wave.to_radians(), inputs.wave_length);
         let flat = std::f32::consts::FRAC_PI_2 * if asked < 0.0 { -1.0 } else { 1.0 };
         let (phase, bend) = (0.12 * of_lock(0), stray(2));
         // The angle from straight out, at a fraction of the path.
@@ -339,8 +339,7 @@ impl Maker<'_> {
         points: &mut Vec<Vec3>,
     ) -> bool {
         let inputs = self.inputs;
-        let lift =
-            inputs.lift * self.unit * (1.0 + 0.8 * inputs.unevenness * self.dice.signed(id, 3));
+        let lift = inputs.lift * (1.0 + 0.8 * inputs.unevenness * self.dice.signed(id, 3));
         let clear = CLEAR * self.unit;
         let skin = self.scalp.skin();
         let mut near = start.root.triangle;

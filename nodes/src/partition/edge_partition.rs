@@ -35,7 +35,7 @@ node! {
     /// Wire the rows that the braids follow. The parting lies halfway between neighbouring rows; hairs are rooted there
     /// and combed over the scalp into the braid, evenly or gathered at each stitch. On a parted scalp (node Partings),
     /// only rows of the same section are neighbours, and hairs stay inside the section.
-    "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins;
+    "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins, scales;
     inputs {
         /// The rows, root first: the same curves that the braids follow.
         source: Curves, words("rows braids guides");
@@ -63,7 +63,7 @@ node! {
         /// at the neighbour. Varies along the row.
         mediate: FieldInput = 0.5, hard(0.0, 1.0), unit(Ratio), words("mediate midpoint length position");
         /// Diameter of a hair. A ramp runs from root to end.
-        width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), words("thickness diameter");
+        width: FieldInput = 0.008, hard(0.0001, 1.0), soft(0.002, 0.02), unit(Length), fixed(), words("thickness diameter");
 
         [Placement]
         /// Let roots and hairs cross the partings. Off keeps every hair in its row's territory.
@@ -165,22 +165,21 @@ const LOOK: f32 = 0.4;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
     let skin = cx.skin(scalp);
     let rules = Rules {
         scalp,
         skin,
         for_hair: skin.for_hair(),
         crossing: inputs.cross_partings,
-        parting: inputs.parting_width * unit,
-        reach: inputs.reach * unit,
-        open_side: inputs.open_side * unit,
+        parting: inputs.parting_width,
+        reach: inputs.reach,
+        open_side: inputs.open_side,
         sweep: inputs.sweep,
-        tuck: inputs.tuck * unit,
-        group_radius: inputs.group_radius * unit,
+        tuck: inputs.tuck,
+        group_radius: inputs.group_radius,
         tightness: &inputs.tightness,
         cvs: inputs.cvs as usize,
-        clear: CLEAR * unit,
+        clear: CLEAR * cx.unit(),
     };
     match (inputs.grouping, &inputs.stitches, &inputs.picked) {
         (Grouping::Stitches, None, _) => {
@@ -209,17 +208,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let all = Curves::new(all);
     // Halfway to the farthest neighbour, and as much again for paths longer than the straight one.
-    let reach = rules.reach.max(2.0 * rules.open_side).max(2.0 * inputs.lead * unit);
+    let reach = rules.reach.max(2.0 * rules.open_side).max(2.0 * inputs.lead);
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
     let rows = inputs.source.tufts().iter().flat_map(|tuft| rows_of(tuft));
-    let all_hairs: usize = rows.map(|row| cx.thinned(asked(&inputs, &row, unit))).sum();
+    let all_hairs: usize = rows.map(|row| cx.thinned(asked(&inputs, &row))).sum();
     let cvs = inputs.cvs as f64;
     cx.may_make(&Size::of(&[("hairs beside all rows", all_hairs as f64), ("cvs", cvs)]))?;
     let map = Map::new(cx, &inputs, &rules, &overs, &all)?;
-    let needs = |i: usize, tuft: &Tuft| map.needs(&rules, &overs, inputs.lead * unit, i, tuft);
+    let needs = |i: usize, tuft: &Tuft| map.needs(&rules, &overs, inputs.lead, i, tuft);
     let [curves] = cx.each_tuft_with(&inputs.source, &all, needs, |tuft, read, piece| {
-        Ok([hairs(cx, &inputs, &rules, &overs, unit, tuft, read, piece)?])
+        Ok([hairs(cx, &inputs, &rules, &overs, tuft, read, piece)?])
     })?;
     Ok(Outputs { curves })
 }
@@ -376,7 +375,6 @@ fn hairs(
     inputs: &Inputs,
     rules: &Rules,
     overs: &Overs,
-    unit: f32,
     tuft: &Tuft,
     read: &[&Tuft],
     piece: &mut Piece,
@@ -417,7 +415,7 @@ fn hairs(
             home: home_of_own,
             near: Cell::new(0),
         };
-        row_hairs(cx, inputs, rules, unit, (tuft, i), &ground, read, &mut made, piece)?;
+        row_hairs(cx, inputs, rules, (tuft, i), &ground, read, &mut made, piece)?;
     }
     made.tuft(inputs)
 }
@@ -483,10 +481,10 @@ impl Made {
 }
 
 /// Requested number of hairs of a row.
-fn asked(inputs: &Inputs, row: &Row, unit: f32) -> usize {
-    let lead = inputs.lead * unit / row.length();
+fn asked(inputs: &Inputs, row: &Row) -> usize {
+    let lead = inputs.lead / row.length();
     let a_side = match inputs.by {
-        By::PerCm => inputs.per_cm * row.length() * (1.0 + lead) / unit,
+        By::PerCm => inputs.per_cm * row.length() * (1.0 + lead),
         By::Total => inputs.total as f32 * 0.5,
     };
     2 * (a_side.round() as usize).min(500_000)
@@ -496,7 +494,6 @@ fn row_hairs(
     cx: &EvalCx,
     inputs: &Inputs,
     rules: &Rules,
-    unit: f32,
     (tuft, curve): (&Tuft, usize),
     ground: &Ground,
     read: &[&Tuft],
@@ -506,13 +503,13 @@ fn row_hairs(
     let row = ground.own;
     let scalp = Some(&*inputs.scalp);
     let mediate = inputs.mediate.on(tuft, scalp)?;
-    let lift = inputs.lift.in_cm(tuft, scalp, unit)?;
+    let lift = inputs.lift.on(tuft, scalp)?;
     let pull = inputs.pull_angle.on(tuft, scalp)?;
-    let radius = inputs.row_radius.in_cm(tuft, scalp, unit)?;
+    let radius = inputs.row_radius.on(tuft, scalp)?;
     let radius_at = |u: f32| radius.along(tuft, curve, u);
 
-    let lead = inputs.lead * unit / row.length();
-    let count = asked(inputs, row, unit);
+    let lead = inputs.lead / row.length();
+    let count = asked(inputs, row);
     let gather = gather(inputs, ground, count / 2, read);
     let dice = cx.dice(inputs.seed, "edge");
     let braid = braid_id(tuft, curve, row, read);
@@ -544,7 +541,7 @@ fn row_hairs(
             section.is_none_or(|section| {
                 // Nor just behind its end, where the braid crosses.
                 let [.., a, b] = points[..] else { return true };
-                let behind = b + (b - a).normalize_or_zero() * (0.1 * unit);
+                let behind = b + (b - a).normalize_or_zero() * (0.1 * cx.unit());
                 let on = points.iter().copied().chain([behind]);
                 !points.iter().zip(on.skip(1)).any(|(a, b)| section.crosses(*a, b))
             })

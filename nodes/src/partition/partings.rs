@@ -33,7 +33,7 @@ node! {
     /// node cuts the sections again, all of them or where a mask says. Each section is a mask by its name, and keeps
     /// that name for all its parts when it is cut again. On animals and other meshes, only drawn lines cut, along the
     /// triangles; patterns need a head.
-    "partings", version 1, label "Partings", words "part parting section sections grid line cornrow canerow rows boxes triangles zigzag zig-zag halo brick pattern comb rat tail scalp divide split";
+    "partings", version 1, label "Partings", words "part parting section sections grid line cornrow canerow rows boxes triangles zigzag zig-zag halo brick pattern comb rat tail scalp divide split", scales;
     inputs {
         /// The head; it may have partings already.
         scalp: Arc<Scalp>;
@@ -133,7 +133,6 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let chart = scalp.chart();
     cx.check()?;
     let mut partings = scalp.sections().map_or(vec![], |s| s.partings().to_vec());
@@ -143,9 +142,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (mut part, mut middles) = (vec![], vec![]);
     if is_on_map {
         part = self::part(&inputs, chart)?;
-        middles = on_the_map(cx, &inputs, unit, &part, &mut partings)?;
+        middles = on_the_map(cx, &inputs, &part, &mut partings)?;
     } else {
-        on_the_mesh(cx, &inputs, unit, &mut partings)?;
+        on_the_mesh(cx, &inputs, &mut partings)?;
     }
     let (mut names, faults) = named_points(&inputs.names);
     names.iter_mut().for_each(|(_, p)| *p = scalp.place(*p));
@@ -175,7 +174,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             (curve_id(tuft.id(i), seed, 0), drift)
         })
         .collect();
-    let maker = Maker { scalp: &parted, chart, unit, seed, part: &part, drift };
+    let maker = Maker { scalp: &parted, chart, unit: cx.unit(), seed, part: &part, drift };
     // What cuts nothing is not kept, of those that were there too.
     let was_there = sections.partings().iter().take_while(|p| before.any(|id| id == p.id)).count();
     let lines = sections.partings()[was_there..].iter().map(|p| maker.parting(p));
@@ -200,33 +199,27 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 fn on_the_map(
     cx: &EvalCx,
     inputs: &Inputs,
-    unit: f32,
     part: &[bool],
     partings: &mut Vec<Parting>,
 ) -> Result<Vec<Vec<Vec2>>, NodeError> {
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
-    let Drawn { mut lines, middles } = lines(cx, inputs, unit, part)?;
+    let Drawn { mut lines, middles } = lines(cx, inputs, part)?;
     cx.check()?;
     let flat = |p: &Parting| p.points.iter().map(|p| chart.flat(*p)).collect();
     let old: Vec<Vec<Vec2>> = partings.iter().map(flat).collect();
-    bring_together(cx, scalp.space(), chart, &mut lines, &old, inputs.join * unit);
+    bring_together(cx, scalp.space(), chart, &mut lines, &old, inputs.join);
     cx.check()?;
     for line in &lines {
         let points = laid(scalp, chart, &line.points);
-        let (of_pattern, half_width) = (!line.by_hand, 0.5 * inputs.width * unit);
+        let (of_pattern, half_width) = (!line.by_hand, 0.5 * inputs.width);
         partings.push(Parting { id: line.id, points, of_pattern, half_width });
     }
     Ok(middles)
 }
 
 /// Puts drawn lines on a mesh without a map, such as an animal's.
-fn on_the_mesh(
-    cx: &EvalCx,
-    inputs: &Inputs,
-    unit: f32,
-    partings: &mut Vec<Parting>,
-) -> Result<(), NodeError> {
+fn on_the_mesh(cx: &EvalCx, inputs: &Inputs, partings: &mut Vec<Parting>) -> Result<(), NodeError> {
     let scalp = &*inputs.scalp;
     if inputs.pattern != Pattern::None || inputs.between.is_some() {
         cx.warn(
@@ -235,10 +228,10 @@ fn on_the_mesh(
     }
     for (id, spline) in by_hand(cx, inputs) {
         cx.check()?;
-        let n = ((spline.length() / (0.1 * unit)).ceil() as usize).clamp(16, 4096);
+        let n = ((spline.length() / (0.1 * cx.unit())).ceil() as usize).clamp(16, 4096);
         let mut points = Vec::with_capacity(n + 1);
         spline.resample(n, |p| points.extend(scalp.closest_root(p).map(|root| root.point)));
-        if is_closed(&spline, inputs.join * unit) {
+        if is_closed(&spline, inputs.join) {
             points.extend(points.first().copied());
         } else {
             let [first, last] = [0.0, 1.0].map(|end| {
@@ -250,7 +243,7 @@ fn on_the_mesh(
                 "a parting is open, from {first} to {last}: it cuts a section where it ends at others or at the edge of the mesh"
             ));
         }
-        let half_width = 0.5 * inputs.width * unit;
+        let half_width = 0.5 * inputs.width;
         let id = curve_id(id, inputs.seed as u64, 0);
         partings.push(Parting { id, points, of_pattern: false, half_width });
     }
@@ -302,7 +295,7 @@ fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
 }
 
 /// Drawn lines and pattern lines, on the map.
-fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn, NodeError> {
+fn lines(cx: &EvalCx, inputs: &Inputs, part: &[bool]) -> Result<Drawn, NodeError> {
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
     let mut drawn = Drawn::default();
@@ -310,7 +303,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
         let n = ((spline.length() / 0.2).ceil() as usize).clamp(2, 4096);
         let mut points = Vec::with_capacity(n);
         spline.resample(n, |p| points.push(chart.flat(p)));
-        let closed = is_closed(&spline, inputs.join * unit);
+        let closed = is_closed(&spline, inputs.join);
         if closed {
             points.push(points[0]);
         }
@@ -334,11 +327,11 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
                 Cells::Boxes => Cut::Boxes,
                 Cells::Triangles => Cut::Triangles,
             },
-            cell: inputs.cell_length * unit,
+            cell: inputs.cell_length,
             brick: inputs.brick,
             turn: inputs.turn.to_radians(),
             centre: gathered_to(inputs, scalp),
-            gather: inputs.gather_radius * unit,
+            gather: inputs.gather_radius,
             mirror: inputs.symmetric,
             tag: curve_id(0, inputs.seed as u64, 0x9A77),
         };
@@ -357,9 +350,9 @@ fn lines(cx: &EvalCx, inputs: &Inputs, unit: f32, part: &[bool]) -> Result<Drawn
         drawn.lines.extend(between(cx, scalp, part, beside, inputs.seed as u64)?);
     }
     let how = Uneven {
-        amplitude: inputs.zigzag * unit,
-        period: inputs.zigzag_period * unit,
-        wobble: inputs.wobble * unit,
+        amplitude: inputs.zigzag,
+        period: inputs.zigzag_period,
+        wobble: inputs.wobble,
         dice: cx.dice(inputs.seed, "wobble"),
     };
     for line in &mut drawn.lines {

@@ -21,7 +21,7 @@ node! {
     ///
     /// Wire it after Gather into tie. Turns and thickness determine the length of hair it takes; a message reports that
     /// length.
-    "bun", version 1, label "Bun", words "bun chignon top knot coil wound wrap updo space buns ballet";
+    "bun", version 1, label "Bun", words "bun chignon top knot coil wound wrap updo space buns ballet", scales;
     inputs {
         /// Hair gathered in ties.
         curves: Curves;
@@ -41,8 +41,8 @@ node! {
         spread: f32 = 0.35, hard(0.0, 1.5), soft(0.0, 1.0), unit(Ratio), words("wide flat coil");
         /// How far each turn lies above the previous one, in thicknesses; negative goes down toward the head.
         rise: f32 = -0.5, hard(-1.5, 1.5), soft(-1.0, 1.0), words("tall stack");
-        /// Twist of the wound hair about itself, in degrees per cm: 0 is smooth, 12 a rope.
-        twist: f32 = 5.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
+        /// Twist of the wound hair about itself: 0 is smooth, 12 a rope.
+        twist: f32 = 5.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(AnglePerCm), words("rope turn");
 
         [Clumping]
         /// Number of locks that the hair splits into; 0: none.
@@ -82,14 +82,13 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let ties = Tie::all(cx, scalp, &inputs.ties);
     let wound: Vec<(Tie, Vec<Vec3>)> =
-        ties.into_iter().map(|tie| (tie, wind(&inputs, unit, &tie))).collect();
+        ties.into_iter().map(|tie| (tie, wind(&inputs, &tie))).collect();
     let length_of = |points: &[Vec3]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
     let length = wound.iter().map(|(_, points)| length_of(points)).fold(0.0, f32::max);
     // The profile is in radii of the tie; all ties of a node have one size.
-    let ratio = wound.first().map_or(1.0, |(tie, _)| inputs.thickness * unit / tie.radius);
+    let ratio = wound.first().map_or(1.0, |(tie, _)| inputs.thickness / tie.radius);
     let stops = vec![(0.0, 1.0), (0.18, ratio), (0.85, ratio), (1.0, 0.3 * ratio)];
     let profile = Ramp::new(Blend::Smooth, stops).unwrap_or_else(|_| Ramp::constant(ratio));
     if length > 0.0 {
@@ -102,10 +101,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         layers: 0.0,
         uneven: inputs.uneven,
         profile: &profile,
-        twist: inputs.twist / unit,
+        twist: inputs.twist,
         locks: inputs.locks.min(MOST_LOCKS) as usize,
         clump: inputs.clump,
-        loose: inputs.loose * unit,
+        loose: inputs.loose,
         points: inputs.points as usize,
         dice: cx.dice(inputs.seed, "bun"),
         seed: inputs.seed,
@@ -114,8 +113,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 }
 
 /// Centre line of the wound hair: out of the tie, over to its side and around it, with the end under earlier turns.
-fn wind(inputs: &Inputs, unit: f32, tie: &Tie) -> Vec<Vec3> {
-    let thick = inputs.thickness * unit;
+fn wind(inputs: &Inputs, tie: &Tie) -> Vec<Vec3> {
+    let thick = inputs.thickness;
     let hand = if inputs.hand == Hand::Left { 1.0 } else { -1.0 };
     let around = tie.radius + 0.75 * thick;
     let smooth = |x: f32| smoothstep(x);

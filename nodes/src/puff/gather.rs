@@ -42,7 +42,7 @@ node! {
     /// and `ties` into Tail or Bun, which continue the hair past the tie, or `ties` into Sphere puff. With several
     /// ties, each hair goes to the nearest one, with a parting between them.
     "gather", version 1, label "Gather into tie",
-        words "tie ponytail pony tail bun puff elastic band hair tie base sleek slick back comb pull bunches pigtails updo", thins;
+        words "tie ponytail pony tail bun puff elastic band hair tie base sleek slick back comb pull bunches pigtails updo", thins, scales;
     inputs {
         /// The head.
         scalp: Arc<Scalp>;
@@ -60,7 +60,7 @@ node! {
         /// Fraction of hairs to keep; usually a mask or a section.
         mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("area region section paint");
         /// Diameter of a hair.
-        width: f32 = 0.007, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), words("thickness diameter");
+        width: f32 = 0.007, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
 
         [Placement]
         /// Largest distance over the scalp from which a tie gathers hair. 0: no limit.
@@ -142,8 +142,7 @@ const FAR_OFF: f32 = 0.6;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
-    let ties = ties(cx, &inputs, unit)?;
+    let ties = ties(cx, &inputs)?;
     let domes: Vec<Arc<Dome>> = ties.iter().map(|tie| Dome::around(cx, scalp, tie)).collect();
     cx.check()?;
     let sections = scalp.sections().filter(|_| inputs.own_section);
@@ -154,7 +153,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         scalp,
         detour: Detour::new(scalp, &skin),
         skin,
-        unit,
+        unit: cx.unit(),
         even,
         ties: ties
             .iter()
@@ -170,7 +169,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let count = match &inputs.roots {
         Some(_) => given.len(),
         None => {
-            let wanted = f64::from(inputs.density / (unit * unit)) * gatherer.even.area();
+            let wanted = f64::from(inputs.density) * gatherer.even.area();
             (wanted.round() as usize).min(MOST_HAIRS)
         }
     };
@@ -197,11 +196,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let tufts = |of: &dyn Fn(&Tie) -> Option<Tuft>| {
         Curves::new(ties.iter().filter_map(|tie| of(tie).map(Arc::new)).collect())
     };
-    let band = |tie: &Tie| band(tie, inputs.band_turns, inputs.band_height * unit, inputs.seed);
+    let band = |tie: &Tie| band(tie, inputs.band_turns, inputs.band_height, inputs.seed);
     Ok(Outputs { curves, ties: tufts(&|tie| Some(tie.curve())), bands: tufts(&band) })
 }
 
-fn ties(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<Tie>, NodeError> {
+fn ties(cx: &EvalCx, inputs: &Inputs) -> Result<Vec<Tie>, NodeError> {
     let (scalp, frame) = (&*inputs.scalp, inputs.scalp.frame());
     let mut feet: Vec<(Root, u64)> = vec![];
     match &inputs.placements {
@@ -223,7 +222,7 @@ fn ties(cx: &EvalCx, inputs: &Inputs, unit: f32) -> Result<Vec<Tie>, NodeError> 
         let (sin, cos) = sin_cos(inputs.lean.to_radians());
         let axis = (foot.normal * cos + up * sin).normalize_or(foot.normal);
         let id = curve_id(parent, inputs.seed as u64, 0);
-        Tie::new(id, foot, axis, frame.forward, inputs.height * unit, inputs.radius * unit)
+        Tie::new(id, foot, axis, frame.forward, inputs.height, inputs.radius)
     };
     Ok(feet.into_iter().map(tie).collect())
 }
@@ -318,6 +317,7 @@ struct Gatherer<'a> {
     inputs: &'a Inputs,
     scalp: &'a Scalp,
     skin: Skin<'a>,
+    /// Centimetres per head unit.
     unit: f32,
     even: EvenRoots<'a>,
     detour: Detour<'a>,
@@ -385,7 +385,7 @@ impl Gatherer<'_> {
     /// Additional hairs beside one at an outer edge: where, slightly farther from its tie, hair of this tie no longer
     /// grows.
     fn edge(&self, id: u64, root: &Root, tie: usize, out: &mut Vec<Rooted>) {
-        let (more, width) = (self.inputs.edge_density - 1.0, self.inputs.edge_width * self.unit);
+        let (more, width) = (self.inputs.edge_density - 1.0, self.inputs.edge_width);
         if more <= 0.0 || width <= 0.0 {
             return;
         }
@@ -450,7 +450,7 @@ impl Gatherer<'_> {
             }
         }
         let (tie, place) = best?;
-        if self.inputs.reach > 0.0 && place.distance > self.inputs.reach * self.unit {
+        if self.inputs.reach > 0.0 && place.distance > self.inputs.reach {
             return None;
         }
         if let Some((other, farther)) = second {
@@ -459,7 +459,7 @@ impl Gatherer<'_> {
                 across(self.ties[i].tie.foot.point - root.point, root.normal).unwrap_or(Vec3::ZERO)
             };
             let grows = (way(tie) - way(other)).length();
-            if farther.distance - place.distance < 0.5 * self.inputs.parting * self.unit * grows {
+            if farther.distance - place.distance < 0.5 * self.inputs.parting * grows {
                 return None;
             }
         }
@@ -530,7 +530,7 @@ impl Gatherer<'_> {
         let from = rooted.place.distance.max(1e-3);
         let share = gathered.share(from);
         let ring = (tie.radius * share.sqrt()).min(0.9 * from);
-        let clearance = self.inputs.clearance * self.unit;
+        let clearance = self.inputs.clearance;
         let layer = |x: f32| {
             let over = (share - gathered.share(x)).max(0.0);
             gathered.thickness * over / x.max(tie.radius)
@@ -559,11 +559,10 @@ impl Gatherer<'_> {
         let last = self.inputs.points as usize - 1;
         let id = rooted.id;
         let dice = self.dice;
-        let wander = self.inputs.wander * self.unit;
+        let wander = self.inputs.wander;
         let (sway, turn) = (dice.signed(id, 0) * wander, dice.signed(id, 1) * wander);
         let strays = dice.unit(id, 2) < self.inputs.stray;
-        let stray =
-            if strays { dice.unit(id, 3) * self.inputs.stray_height * self.unit } else { 0.0 };
+        let stray = if strays { dice.unit(id, 3) * self.inputs.stray_height } else { 0.0 };
         let (y, x) = sin_cos_turns(rooted.place.bearing);
         let out = tie.right * x + tie.ahead() * y;
         let side = out.cross(tie.axis);

@@ -40,7 +40,7 @@ node! {
     /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Follow it
     /// with Shape-list curl, with length at `fibre` or `span`, to curl the puff and keep its outline.
     "sphere_puff", version 1, label "Sphere puff",
-        words "puff afro bun buns space pom ball bunches sphere silhouette", thins;
+        words "puff afro bun buns space pom ball bunches sphere silhouette", thins, scales;
     inputs {
         /// Head that the puff grows on.
         scalp: Arc<Scalp>;
@@ -166,10 +166,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         ));
     }
     let skin = cx.skin(scalp);
-    let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
-    if unit != 1.0 {
-        cx.remark(format!("lengths are multiplied by {unit:.3}, the size of the head"));
-    }
+    let unit = cx.unit();
     let dice = cx.dice(inputs.seed, "puff");
     let puffs: Vec<Puff> = match (&inputs.ties, &inputs.placements) {
         (Some(ties), _) => {
@@ -197,7 +194,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let density = |puff: &Puff| inputs.density * PI * puff.root_radius * puff.root_radius;
     let count = match inputs.fill {
         Fill::Count => inputs.count as usize,
-        Fill::Density => (puffs.first().map_or(0.0, density) / (unit * unit)) as usize,
+        Fill::Density => puffs.first().map_or(0.0, density) as usize,
     };
     let count = cx.thinned(count.min(MOST_HAIRS));
     // Each puff has one work item for its guides, and one for each batch of hairs.
@@ -282,8 +279,8 @@ impl<'a> Puff<'a> {
             foot: middle,
             axis: middle.normal,
             right: ahead.cross(middle.normal),
-            height: inputs.tie_height * unit,
-            radius: inputs.root_radius * unit,
+            height: inputs.tie_height,
+            radius: inputs.root_radius,
         };
         let id = curve_id(parent, inputs.seed as u64, 0);
         let tie_width = 1.0 - 0.98 * inputs.tightness;
@@ -313,9 +310,9 @@ impl<'a> Puff<'a> {
             axis: tie.axis,
             right: tie.right,
             ahead: tie.ahead(),
-            centre: tie.foot.point + tie.axis * (offset * unit),
+            centre: tie.foot.point + tie.axis * offset,
             root_radius: tie.radius,
-            radius: inputs.sphere_radius * unit,
+            radius: inputs.sphere_radius,
             tie_height: tie.height,
             tie_width,
             unit,
@@ -468,14 +465,14 @@ impl<'a> Puff<'a> {
             let id = curve_id(self.id, self.inputs.seed as u64, k as u64);
             let depth = dice.range(id, 2, from.min(to), from.max(to));
             let mut reach = self.reach(direction) * (1.0 - depth);
-            let soft = self.inputs.edge_softness * self.unit;
+            let soft = self.inputs.edge_softness;
             if soft > 0.0 {
                 let aside = dice.signed(id, 3);
                 reach = (reach + soft * aside * aside * aside).max(0.2 * self.radius);
             }
             if self.inputs.stray > 0.0 && dice.unit(id, 4) < self.inputs.stray {
                 let over = dice.unit(id, 5);
-                reach += self.inputs.stray_length * self.unit * over * over;
+                reach += self.inputs.stray_length * over * over;
             }
             let tip = self.pressed(self.centre + direction * reach);
             // Where the sphere dips into the head, hair ends on the skin.
@@ -653,7 +650,7 @@ impl Bundle {
         tuft.set(PUFF_COVERAGE, Domain::Curve, vec![puff.inputs.coverage]);
         let inputs = puff.inputs;
         let deeper = (inputs.depth_to - inputs.depth_from).abs() / puff.outermost();
-        let edge = Vec3::new(deeper, inputs.edge_softness * puff.unit, inputs.stray);
+        let edge = Vec3::new(deeper, inputs.edge_softness, inputs.stray);
         tuft.set(PUFF_EDGE, Domain::Curve, vec![edge]);
         tuft.build()
     }

@@ -19,7 +19,7 @@ node! {
     ///
     /// Each hair continues from where it left the tie, falls in an arch and hangs beside the others, resting on head,
     /// neck and shoulders. Wire it after Gather into tie.
-    "tail", version 1, label "Tail", words "ponytail pony tail pigtail bunches hang gravity fall swing updo";
+    "tail", version 1, label "Tail", words "ponytail pony tail pigtail bunches hang gravity fall swing updo", scales;
     inputs {
         /// Hair gathered in ties.
         curves: Curves;
@@ -47,8 +47,8 @@ node! {
         sway_length: f32 = 28.0, hard(1.0, 200.0), soft(8.0, 60.0), unit(Length), words("s curve wave movement");
         /// Smallest height of the tail's centre above the skin, in its own radii there.
         clearance: f32 = 0.8, hard(0.0, 10.0), soft(0.3, 2.0), words("collide rest head neck shoulders");
-        /// Twist of the tail about itself, in degrees per cm.
-        twist: f32 = 0.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(Angle), words("rope turn");
+        /// Twist of the tail about itself.
+        twist: f32 = 0.0, hard(-90.0, 90.0), soft(-20.0, 20.0), unit(AnglePerCm), words("rope turn");
 
         [Clumping]
         /// Number of locks that the tail splits into; 0: none.
@@ -83,21 +83,20 @@ fn profile() -> Ramp {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let skin = cx.skin(scalp);
     let ties = Tie::all(cx, scalp, &inputs.ties);
-    let hung = ties.into_iter().map(|tie| (tie, hang(&inputs, skin, unit, &tie)));
+    let hung = ties.into_iter().map(|tie| (tie, hang(&inputs, skin, cx.unit(), &tie)));
     let bundle = Bundle {
         ties: hung.collect(),
         skin,
-        length: inputs.length * unit,
+        length: inputs.length,
         layers: inputs.layers,
         uneven: inputs.uneven,
         profile: &inputs.profile,
-        twist: inputs.twist / unit,
+        twist: inputs.twist,
         locks: inputs.locks.min(MOST_LOCKS) as usize,
         clump: inputs.clump,
-        loose: inputs.loose * unit,
+        loose: inputs.loose,
         points: inputs.points as usize,
         dice: cx.dice(inputs.seed, "tail"),
         seed: inputs.seed,
@@ -109,7 +108,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 /// thickness.
 fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     let frame = inputs.scalp.frame();
-    let length = inputs.length * unit;
+    let length = inputs.length;
     let steps = ((length / STEP).ceil() as usize).clamp(2, 4000);
     let step = length / steps as f32;
     let ((side, across), (back, _)) =
@@ -121,10 +120,10 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
     let mut points = vec![p];
     for k in 0..steps {
         let u = (k + 1) as f32 / steps as f32;
-        let turn = (down - direction * down.dot(direction)) * (step / (inputs.arch * unit));
+        let turn = (down - direction * down.dot(direction)) * (step / inputs.arch);
         // A tail that stands straight up has no direction to fall in: it falls back.
         let turn = if turn.length_squared() < 1e-9 && down.dot(direction) < 0.0 {
-            -frame.forward * (step / (inputs.arch * unit))
+            -frame.forward * (step / inputs.arch)
         } else {
             turn
         };
@@ -144,8 +143,8 @@ fn hang(inputs: &Inputs, skin: Skin, unit: f32, tie: &Tie) -> Course {
         for (k, p) in points.iter_mut().enumerate() {
             let s = step * k as f32;
             let free = (s / (6.0 * unit)).min(1.0);
-            let wave = sin_cos_turns(s / (inputs.sway_length * unit)).0;
-            *p += frame.right * (wave * inputs.sway * unit * free * free);
+            let wave = sin_cos_turns(s / inputs.sway_length).0;
+            *p += frame.right * (wave * inputs.sway * free * free);
         }
     }
     Course::new(tie, &points)

@@ -23,7 +23,7 @@ node! {
     /// Strokes are stored in the head frame, so the mask transfers to another head and stays sharp on a coarse mesh. A
     /// closed stroke works like a hairline: its inside is the mask, with a soft edge.
     "paint_mask", version 1, label "Paint mask",
-        words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture";
+        words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture", scales;
     inputs {
         /// Painted strokes, in order. Paint them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("pen dabs brush painted");
@@ -61,10 +61,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if let (true, Some(x)) = (strokes.0.is_empty(), base.constant()) {
         return Ok(Outputs { mask: Field::Constant(x).into() });
     }
-    let edges = Edges {
-        softness: inputs.softness,
-        line: inputs.edge * cx.head_unit(Some(&scalp), inputs.scale_with_head),
-    };
+    let edges = Edges { softness: inputs.softness, line: inputs.edge };
     let known = |key: Key, make: &dyn Fn() -> Result<Even, NodeError>| {
         cx.fold::<Even, ()>((key, make), &[], |_, ()| make(), Even::bytes)
     };

@@ -23,7 +23,7 @@ node! {
     ///
     /// Points are added until the curve follows the surface between its points too. Each curve gets a root and scalp
     /// normals, which braids and partings use.
-    "scalp_projection", version 1, label "Scalp projection", words "project snap stick shrinkwrap attach bind root hair curves to surface ray";
+    "scalp_projection", version 1, label "Scalp projection", words "project snap stick shrinkwrap attach bind root hair curves to surface ray", scales;
     inputs {
         /// Curves to project.
         curves: Curves;
@@ -69,15 +69,20 @@ const MOST_POINTS: usize = 512;
 const FINE: f32 = 0.1;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let [curves] =
-        cx.each_tuft(&inputs.curves, |tuft, piece| Ok([projected(&inputs, tuft, piece)?]))?;
+    let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
+        Ok([projected(cx.unit(), &inputs, tuft, piece)?])
+    })?;
     Ok(Outputs { curves })
 }
 
-fn projected(inputs: &Inputs, tuft: &Tuft, piece: &mut Piece) -> Result<Tuft, NodeError> {
+fn projected(
+    unit: f32,
+    inputs: &Inputs,
+    tuft: &Tuft,
+    piece: &mut Piece,
+) -> Result<Tuft, NodeError> {
     let scalp = &*inputs.scalp;
-    let unit = if inputs.scale_with_head { scalp.frame().unit() } else { 1.0 };
-    let offset = inputs.offset.in_cm(tuft, Some(scalp), unit)?;
+    let offset = inputs.offset.on(tuft, Some(scalp))?;
     let amount = inputs.amount.on(tuft, Some(scalp))?;
     let mut out = TuftBuilder::new();
     let mut spline = Spline::default();
@@ -130,6 +135,7 @@ struct Wish<'a> {
     spline: &'a Spline,
     offset: &'a Sampler<'a>,
     amount: &'a Sampler<'a>,
+    /// Centimetres per head unit.
     unit: f32,
 }
 
@@ -178,7 +184,7 @@ impl Wish<'_> {
         let here: Vec<Vec3> = places.iter().map(|place| self.spline.point(*place)).collect();
         let mut on_scalp: Vec<Vec3> = here.iter().map(|p| laid(self.scalp, *p, 0.0).0).collect();
         let h = length / (n - 1) as f32;
-        let sigma = inputs.smoothing * self.unit / h;
+        let sigma = inputs.smoothing / h;
         let rounds = (2.0 * sigma * sigma).round().clamp(0.0, 256.0) as usize;
         if rounds > 0 {
             polyline::filter(&mut on_scalp, rounds);
@@ -194,7 +200,7 @@ impl Wish<'_> {
             return (old, old_places);
         }
         // Leaves a margin for the error between samples.
-        let tolerance = 0.8 * inputs.tolerance * self.unit;
+        let tolerance = 0.8 * inputs.tolerance;
         let mut count = old.len();
         loop {
             let (points, at) = self.cut(&line, &places, count);

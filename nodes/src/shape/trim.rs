@@ -27,7 +27,7 @@ node! {
     /// Each hair keeps the part from its root to where it first leaves the shape. Wire it before Shape-list curl, so
     /// that no CVs are spent on hair that gets cut off; it cuts curled hair too.
     "trim", version 1, label "Trim",
-        words "trim cut shears scissors haircut barber shape outline silhouette afro round topiary crop clip ellipsoid";
+        words "trim cut shears scissors haircut barber shape outline silhouette afro round topiary crop clip ellipsoid", scales;
     inputs {
         /// Hair to cut.
         curves: Curves;
@@ -83,12 +83,11 @@ const SAMPLES: usize = 3;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let frame = inputs.scalp.frame();
-    let unit = if inputs.scale_with_head { frame.unit() } else { 1.0 };
     let (sin, cos) = sin_cos(inputs.tilt.to_radians());
     let axes =
         [frame.right, frame.up * cos - frame.forward * sin, frame.forward * cos + frame.up * sin];
     let mut centre = inputs.scalp.place(inputs.centre);
-    let size = inputs.size.abs().max(Vec3::splat(0.01)) * unit;
+    let size = inputs.size.abs().max(Vec3::splat(0.01 * cx.unit()));
     let outline = match (inputs.shape, &inputs.mesh) {
         (Shape::Ellipsoid, _) => Outline::Ellipsoid(size),
         (Shape::Mesh, Some(mesh)) => {
@@ -117,7 +116,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let dice = cx.dice(inputs.seed, "trim");
     let route = Route::new(Some(&inputs.scalp), Policy::default());
-    let (soft, least) = (inputs.softness * unit, inputs.least * unit);
+    let (soft, least) = (inputs.softness, inputs.least);
     // Distance of a point outside the outline, cm.
     let over = |p: Vec3| {
         let off = p - centre;

@@ -30,7 +30,7 @@ node! {
     /// the ids of the curves it acts on, so edits survive more guides, another parting or another head. Wire the result
     /// to Cluster to strands.
     "hair_sketch", version 1, label "Hair sketch",
-        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt points redraw strands scatter copy silhouette outline shape";
+        words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt points redraw strands scatter copy silhouette outline shape", scales;
     inputs {
         /// Pen gestures, in order. Draw them in the viewport; they are stored in the head frame.
         gestures: Arc<Gestures> = Gestures::default(), words("pen strokes drawn edits");
@@ -76,11 +76,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let curves = inputs.curves.clone().unwrap_or_default();
     let samples: usize = inputs.gestures.0.iter().map(|one| one.samples.len()).sum();
     cx.may_make(&Size::of(&[("samples of gestures", samples as f64)]))?;
-    let unit = cx.head_unit(Some(scalp), inputs.scale_with_head);
     let set = Settings {
-        radius: inputs.radius * unit,
-        segment: inputs.segment * unit,
-        tau: inputs.tau * unit,
+        radius: inputs.radius,
+        segment: inputs.segment,
+        tau: inputs.tau,
         rho: inputs.rho,
         alike: sin_cos(inputs.angle.to_radians()).1,
         density: inputs.density,

@@ -21,7 +21,7 @@ node! {
     /// Density spreads clump centres over the scalp. Instead, wire curves to draw each hair to the nearest one, or name an
     /// attribute that groups hairs. Finer levels add clumps within clumps. Roots and lengths stay.
     "clump", version 1, label "Clump",
-        words "hair curves clump clumps clumping gather wisp wisps lock locks bunch group tuft strand separate piecey wet modifier";
+        words "hair curves clump clumps clumping gather wisp wisps lock locks bunch group tuft strand separate piecey wet modifier", scales;
     inputs {
         /// Hair to clump.
         curves: Curves;
@@ -72,7 +72,6 @@ fn only_finer(of: &dyn Fn(&str) -> Option<Set>) -> Option<&'static str> {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head);
     let dice = cx.dice(inputs.seed, "clump");
     let stray = cx.dice(inputs.seed, "clump stray");
     let centres = inputs.centres.as_ref().map(one_each);
@@ -87,7 +86,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             (Some(_), "") => Some(Middles::given(tuft, read, scalp)),
             (Some(_), _) => Some(Middles::named(tuft, name, read).ok_or_else(missing)?),
         };
-        let mut density = inputs.density / (unit * unit);
+        let mut density = inputs.density;
         let mut levels: Vec<Middles> = first.into_iter().collect();
         for level in 0..inputs.levels as u64 {
             if level > 0 || levels.is_empty() {

@@ -20,7 +20,7 @@ node! {
     /// Roots and lengths stay, so hair looks shorter the more it frizzes. The hair needs CVs at least as dense as the kinks:
     /// resample it first.
     "frizz", version 1, label "Frizz",
-        words "hair curves frizz frizzy kink crimp fuzzy fuzz scraggle messy rough random noise modifier dry humid";
+        words "hair curves frizz frizzy kink crimp fuzzy fuzz scraggle messy rough random noise modifier dry humid", scales;
     inputs {
         /// Hair to change.
         curves: Curves;
@@ -54,13 +54,12 @@ const MOST_STEPS: f32 = 4096.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    let step = inputs.step * unit;
+    let step = inputs.step;
     let (walk_dice, dice) =
         (cx.dice(inputs.seed, "frizz"), cx.dice(inputs.seed, "frizz of a hair"));
     let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let amplitude = inputs.amplitude.in_cm(tuft, scalp, unit)?;
+        let amplitude = inputs.amplitude.on(tuft, scalp)?;
         let (mut frames, mut walk, mut steps) = (vec![], vec![], vec![]);
         let bent = piece.bend(&route, tuft, |hair, i, new| {
             let (first, id) = (tuft.range(i).start, tuft.id(i));

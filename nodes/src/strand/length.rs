@@ -22,7 +22,7 @@ node! {
     /// The length is a share of the hair's own, or centimetres; attributes and painted masks vary it. To cut hair to an
     /// outline, use Trim.
     "length", version 1, label "Length",
-        words "length cut shorten lengthen extend grow scale longer shorter random vary variation layers uneven modifier";
+        words "length cut shorten lengthen extend grow scale longer shorter random vary variation layers uneven modifier", scales;
     inputs {
         /// Hair to change.
         curves: Curves;
@@ -43,7 +43,8 @@ node! {
         /// Random shortening per hair: 0 none, 0.95 down to a twentieth. Most hairs stay close to full length.
         variation: f32 = 0.15, hard(0.0, 0.95), unit(Ratio), words("random vary uneven between");
         /// Scale centimetres with the size of the head.
-        scale_with_head: bool = true;
+        scale_with_head: bool = true,
+            idle(|of| unless(of, "by", "length", "lengths are shares of what hair has"));
         /// Random seed for this node.
         seed: i64 = 0;
     }
@@ -92,7 +93,6 @@ const RIGHT: f32 = 1e-5;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head && inputs.by == By::Length);
     let dice = cx.dice(inputs.seed, "length");
     if let (By::Share, Way::Cut, Some(share)) = (inputs.by, inputs.way, inputs.share.constant())
         && inputs.change != Change::Shorten
@@ -107,7 +107,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
         let field = match inputs.by {
             By::Share => inputs.share.on(tuft, scalp)?,
-            By::Length => inputs.length.in_cm(tuft, scalp, unit)?,
+            By::Length => inputs.length.on(tuft, scalp)?,
         };
         let wanted = |i: usize, length: f32| {
             let asked = field.at(i, tuft.range(i).start, 0.0);

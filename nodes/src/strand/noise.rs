@@ -20,7 +20,7 @@ node! {
     /// Noise in space moves neighbours together, so hair waves in locks and sheets; noise along the hair bends each strand on
     /// its own. Roots and lengths stay.
     "noise", version 1, label "Noise",
-        words "hair curves noise turbulence perlin fractal displace jitter random natural messy bend wind modifier";
+        words "hair curves noise turbulence perlin fractal displace jitter random natural messy bend wind modifier", scales;
     inputs {
         /// Hair to change.
         curves: Curves;
@@ -63,8 +63,7 @@ choice! {
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head);
-    let wavelength = inputs.wavelength * unit;
+    let wavelength = inputs.wavelength;
     let waves = Waves {
         dice: cx.dice(inputs.seed, "noise"),
         octaves: inputs.octaves as u32,
@@ -81,7 +80,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let amplitude = inputs.amplitude.in_cm(tuft, scalp, unit)?;
+        let amplitude = inputs.amplitude.on(tuft, scalp)?;
         let bent = piece.bend(&route, tuft, |hair, i, new| {
             let first = tuft.range(i).start;
             let far = |k: usize| {

@@ -20,7 +20,7 @@ node! {
     ///
     /// Each bends away in its own direction, farthest at the tip, with a slight wave.
     "stray", version 1, label "Stray",
-        words "hair curves stray strays flyaway flyaways loose wild hairs rogue messy natural modifier baby breakage halo";
+        words "hair curves stray strays flyaway flyaways loose wild hairs rogue messy natural modifier baby breakage halo", scales;
     inputs {
         /// Hair to change.
         curves: Curves;
@@ -54,13 +54,12 @@ const WAVE: f32 = 6.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = inputs.scalp.as_deref();
-    let unit = cx.head_unit(scalp, inputs.scale_with_head);
+    let wave_length = WAVE * cx.unit();
     let dice = cx.dice(inputs.seed, "stray");
     let waves = Waves { dice: cx.dice(inputs.seed, "stray wave"), octaves: 2, roughness: 0.4 };
     let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
     let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let (share, distance) =
-            (inputs.share.on(tuft, scalp)?, inputs.distance.in_cm(tuft, scalp, unit)?);
+        let (share, distance) = (inputs.share.on(tuft, scalp)?, inputs.distance.on(tuft, scalp)?);
         let mut frames = vec![];
         let bent = piece.bend(&route, tuft, |hair, i, new| {
             let (first, id) = (tuft.range(i).start, tuft.id(i));
@@ -78,7 +77,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 let u = hair.u(k);
                 let off = far * distance.at(i, first + k, u) * inputs.along.at(u);
                 if off != 0.0 {
-                    let wave = waves.along(id, hair.come(k) / (WAVE * unit)) * inputs.wave;
+                    let wave = waves.along(id, hair.come(k) / wave_length) * inputs.wave;
                     *p += (way + wave).clamp_length_max(1.0) * off;
                 }
             }

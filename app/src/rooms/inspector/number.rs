@@ -70,6 +70,7 @@ impl Scale {
             Unit::Ratio => (0.01, " %"),
             Unit::PerCm => (1.0, " /cm"),
             Unit::PerCm2 => (1.0, " /cm²"),
+            Unit::AnglePerCm => (1.0, "°/cm"),
             Unit::None | Unit::Count => (1.0, ""),
         };
         Self { unit, shown, suffix, slider, hard, whole }
@@ -172,7 +173,7 @@ impl Scale {
     /// Endings that say the unit the field has anyway, and that arithmetic would take for division.
     fn endings(&self) -> &'static [&'static str] {
         match self.unit {
-            Unit::PerCm => &["/cm", "per cm"],
+            Unit::PerCm | Unit::AnglePerCm => &["/cm", "per cm"],
             Unit::PerCm2 => &["/cm²", "/cm2", "per cm2", "per cm²"],
             _ => &[],
         }
@@ -187,9 +188,9 @@ impl Scale {
             (Unit::Length, "m") => 100.0,
             (Unit::Length, "in" | "inch" | "inches" | "\"") => 2.54,
             (Unit::Length, "ft" | "'") => 30.48,
-            (Unit::Angle, "deg" | "degree" | "degrees" | "°") => 1.0,
-            (Unit::Angle, "rad" | "radians") => 1f64.to_degrees(),
-            (Unit::Angle, "turn" | "turns") => 360.0,
+            (Unit::Angle | Unit::AnglePerCm, "deg" | "degree" | "degrees" | "°") => 1.0,
+            (Unit::Angle | Unit::AnglePerCm, "rad" | "radians") => 1f64.to_degrees(),
+            (Unit::Angle | Unit::AnglePerCm, "turn" | "turns") => 360.0,
             (Unit::Ratio, "%" | "percent") => 0.01,
             _ => return None,
         })
@@ -350,6 +351,7 @@ mod tests {
         let angle = scale(Unit::Angle, (0.0, 90.0));
         let plain = scale(Unit::None, (0.0, 1.0));
         let per = scale(Unit::PerCm, (0.0, 9.0));
+        let twist = scale(Unit::AnglePerCm, (-20.0, 20.0));
         let check = |scale: &Scale, text: &str, want: f64| match scale.read(text) {
             Ok(Entry::Set(x)) => assert!((x - want).abs() < 1e-9, "{text}: {x}"),
             other => panic!("{text}: {other:?}"),
@@ -386,6 +388,8 @@ mod tests {
             (&plain, "2*(1 − 0.25)", 1.5),
             (&per, "12 /cm", 12.0),
             (&per, "12/4", 3.0),
+            (&twist, "5°/cm", 5.0),
+            (&twist, "1/4 turn per cm", 90.0),
         ] {
             check(scale, text, want);
         }

@@ -28,7 +28,7 @@ const KINDS: [(&str, Type); 9] = [
     ("On or off", Type::Bool),
 ];
 
-const UNITS: [(&str, Unit); 7] = [
+const UNITS: [(&str, Unit); 8] = [
     ("none", Unit::None),
     ("percent", Unit::Ratio),
     ("cm", Unit::Length),
@@ -36,6 +36,7 @@ const UNITS: [(&str, Unit); 7] = [
     ("count", Unit::Count),
     ("per cm", Unit::PerCm),
     ("per cm2", Unit::PerCm2),
+    ("degrees per cm", Unit::AnglePerCm),
 ];
 
 /// What was done to the ports of one side.

@@ -9,7 +9,7 @@ use crate::widgets::theme;
 use coif_graphs::document::{Document, NodeId, Setting};
 use coif_nodes::data::attributes::{NORMAL, PUFF_CENTRE};
 use coif_nodes::data::scalp::{HeadFrame, HeadSpace, Scalp};
-use coif_nodes::define::{Handle, InputDef, Type, Unit, Value};
+use coif_nodes::define::{Handle, InputDef, SCALES, Type, Unit, Value};
 use egui::{Pos2, Shape, Stroke, Vec2};
 use glam::Vec3;
 use std::sync::Arc;
@@ -129,10 +129,8 @@ pub(super) fn grips(
         .or_else(|| (anchor - frame.origin).try_normalize())
         .unwrap_or(frame.up);
     let line: Arc<[Vec3]> = curve.map_or_else(|| Arc::from([]), |(curve, _)| curve);
-    let scales = def.input("scale_with_head").is_some_and(|(_, input)| {
-        let set = document.node(node.as_str()).and_then(|node| node.inputs.get(input.name));
-        !matches!(set, Some(Setting::Known(Value::Bool(false))))
-    });
+    let set = document.node(node.as_str()).and_then(|node| node.inputs.get(SCALES));
+    let scales = def.scales && !matches!(set, Some(Setting::Known(Value::Bool(false))));
     let unit = if scales { frame.unit() } else { 1.0 };
     let mut all: Vec<Grip> = vec![];
     for input in def.inputs {
@@ -163,7 +161,7 @@ pub(super) fn grips(
             curve: line.clone(),
             space: space.clone(),
             on_skin: scalp.is_some() && input.unit != Unit::Length,
-            unit: if input.unit == Unit::Length { unit } else { 1.0 },
+            unit: input.grown(1.0, unit),
         });
     }
     // What lies under another grip is taken last: the place of the whole is on top.
