@@ -7,7 +7,7 @@
 //! Guarantees: roots, ids, attributes and the number of points stay; a hair that nothing moves keeps its bits, and a tuft of such
 //! hairs is the tuft that came in; where lengths are kept, every piece from point to point is as long as it was, but where the skin
 //! pushes; on a scalp that is not rough no moved point ends deeper in the skin than the hair's `allow_depth`; as far as a hair keeps to its section it
-//! still does, and no hair leads over a parting that did not (rather it stays as it was, which is told). What a way out may take is
+//! still does, and none leads over a parting before it did (rather it stays as it was, which is told). What a way out may take is
 //! bounded, and grows with the hair, so that more of it changes none before it. Not promised: anything for curves that are no curves;
 //! they pass through.
 //!
@@ -134,9 +134,7 @@ impl<'a> Route<'a> {
         }
         if let Some(home) = scalp.home(old[0]).filter(|_| self.policy.own_section) {
             keep_home(&home, &skin, old, new, &depth);
-            if home.passes(new) && !home.passes(old) {
-                return Err(Left::Over);
-            }
+            leads_over(&home, old, new)?;
         }
         is_out(&skin, old, new, &depth)
     }
@@ -153,10 +151,8 @@ impl<'a> Route<'a> {
         }
         let (Some(skin), Some(scalp)) = (self.skin, self.scalp) else { return Ok(()) };
         skin.clear(new, |k| (k >= old.len()).then(|| depth(k)));
-        let passes = |home: Home| home.passes(new) && !home.passes(old);
-        let home = scalp.home(old[0]).filter(|_| self.policy.own_section);
-        if home.is_some_and(passes) {
-            return Err(Left::Over);
+        if let Some(home) = scalp.home(old[0]).filter(|_| self.policy.own_section) {
+            leads_over(&home, old, new)?;
         }
         is_out(&skin, old, new, &depth)
     }
@@ -231,6 +227,15 @@ fn is_out(
         true => Err(Left::In),
         false => Ok(()),
     }
+}
+
+/// Fails where a hair leads over a parting before it did: so far as it kept off them it still does.
+fn leads_over(home: &Home, old: &[Vec3], new: &[Vec3]) -> Result<(), Left> {
+    if !home.passes(new) {
+        return Ok(());
+    }
+    let first = (1..old.len()).find(|k| home.passes(&old[k - 1..=*k]));
+    if home.passes(&new[..first.unwrap_or(new.len())]) { Err(Left::Over) } else { Ok(()) }
 }
 
 /// Keeps a hair in its section so far along it as it was there before.
