@@ -42,19 +42,24 @@ fn click(ui: &mut Ui, name: &str) -> bool {
     let named = |label: &str| {
         label == name || label.strip_prefix(name).is_some_and(|keys| keys.starts_with(' '))
     };
+    // A menu that is taller than the window scrolls.
     let place = |ui: &Ui| {
         let mut all = ui.query_all(By::new());
-        all.find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)))
-            .map(|node| (node.rect(), node))
+        let found =
+            all.find(|node| node.accesskit_node().label().is_some_and(|label| named(&label)))?;
+        let rect = found.rect();
+        let hidden = rect.bottom() > SIZE.y - 2.0 * rect.height();
+        if hidden {
+            found.scroll_to_me();
+        }
+        Some((rect.center(), hidden))
     };
-    let Some((rect, node)) = place(ui) else { return false };
-    // A menu that is taller than the window scrolls.
-    if rect.bottom() > SIZE.y - 2.0 * rect.height() {
-        node.scroll_to_me();
+    let Some((mut at, hidden)) = place(ui) else { return false };
+    if hidden {
         ui.run_steps(6);
+        let Some((now, _)) = place(ui) else { return false };
+        at = now;
     }
-    let Some((rect, _)) = place(ui) else { return false };
-    let at = rect.center();
     for pressed in [true, false] {
         ui.event(Input::PointerMoved(at));
         ui.step();
