@@ -98,7 +98,7 @@ fn scalps() -> Vec<Value> {
 }
 
 /// Hairs that stand on the cap, bound to nothing.
-fn hairs(count: usize) -> Curves {
+pub(crate) fn hairs(count: usize) -> Curves {
     let mut b = TuftBuilder::new();
     for k in 0..count {
         let x = 0.3 * k as f32;

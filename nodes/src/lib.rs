@@ -15,9 +15,9 @@ pub mod define;
 mod error;
 pub mod eval;
 pub mod formats;
-mod guides;
 #[cfg(test)]
 mod growth;
+mod guides;
 #[cfg(test)]
 mod hostile;
 pub mod laws;
