@@ -83,7 +83,7 @@ fn scalps() -> Vec<Value> {
 }
 
 /// Hairs that stand on the cap, bound to nothing.
-fn hairs(count: usize) -> Curves {
+pub(crate) fn hairs(count: usize) -> Curves {
     let mut b = TuftBuilder::new();
     for k in 0..count {
         let x = 0.3 * k as f32;
@@ -256,8 +256,13 @@ fn hostile(input: &InputDef) -> Vec<Value> {
     .collect()
 }
 
+/// What makes little hair of this node.
+fn few(id: &str) -> &'static [(&'static str, f32)] {
+    FEW.iter().find(|(of, _)| *of == id).map_or(&[], |(_, few)| few)
+}
+
 /// What a node runs with where nothing else is said.
-fn usual(node: &NodeDef, few: &[(&str, f32)]) -> Vec<(&'static str, Value)> {
+pub(crate) fn usual(node: &NodeDef) -> Vec<(&'static str, Value)> {
     let mut set = vec![];
     let make = |id: &str, set: &[(&'static str, Value)]| {
         let set: Vec<_> = [("scalp", scalp().into())].iter().chain(set).cloned().collect();
@@ -283,7 +288,7 @@ fn usual(node: &NodeDef, few: &[(&str, f32)]) -> Vec<(&'static str, Value)> {
         _ => {}
     }
     for input in node.inputs {
-        let few = few.iter().find(|(name, _)| *name == input.name);
+        let few = few(node.id).iter().find(|(name, _)| *name == input.name);
         let value = match (input.name, input.ty) {
             ("scalp", _) => scalp().into(),
             (name, Type::Curves) if wired.iter().any(|(of, _)| *of == name) => {
@@ -345,8 +350,7 @@ fn hostile_inputs_never_panic_hang_or_eat_memory() {
     // What a head may be handed at worst are files, which readers have tests of their own for.
     for node in crate::all().filter(|node| node.id != "head") {
         let id = node.id;
-        let few = FEW.iter().find(|(of, _)| *of == id).map_or(&[][..], |(_, few)| few);
-        let usual = usual(node, few);
+        let usual = usual(node);
         assert_eq!(wrong(node, &usual), None, "{id} as usual");
         let with = |more: Vec<(&'static str, Value)>| {
             let mut set = usual.clone();
@@ -373,7 +377,7 @@ fn hostile_inputs_never_panic_hang_or_eat_memory() {
         for throw in 0..THROWS {
             let share = dice.range(throw, 0, 0.05, 0.6);
             let some = all.iter().enumerate().filter(|(k, (_, values))| {
-                let many = few.iter().any(|(name, _)| *name == all[*k].0.name);
+                let many = few(id).iter().any(|(name, _)| *name == all[*k].0.name);
                 !many && !values.is_empty() && dice.unit(throw, 1 + *k as u64) < share
             });
             let set: Vec<(&'static str, Value)> = some

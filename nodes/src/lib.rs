@@ -15,6 +15,8 @@ pub mod define;
 mod error;
 pub mod eval;
 pub mod formats;
+#[cfg(test)]
+mod growth;
 mod guides;
 #[cfg(test)]
 mod hostile;

@@ -249,7 +249,8 @@ fn sections_keep_strokes_and_floods_to_themselves() {
         }
     }
     // Without such a section the stroke has no effect, and the node says so.
-    let (field, said) = mask(&head(), &[stroke(1, &[front], within("front", Mode::Flood))], &[]);
+    let flood = [stroke(1, &[front], within("front", Mode::Flood))];
+    let (field, said) = mask(&head(), &flood, &[("scale_with_head", false.into())]);
     let Field::Painted(on) = &*field else { panic!() };
     assert_eq!(at(on, front), 0.0);
     assert!(said[0].contains("\"front\"") && said[0].contains("not parted"), "{said:?}");
