@@ -195,7 +195,19 @@ pub(crate) fn area_within(scalp: &Scalp, centre: Vec3, radius: f32) -> f32 {
     let surface = scalp.surface();
     let mut sum = 0.0f64;
     for t in 0..surface.triangles.len() as u32 {
-        let part = 0.5 * f64::from(surface.area_vector(t).length()) / 1600.0;
+        let area = 0.5 * f64::from(surface.area_vector(t).length());
+        let [a, b, c] = surface.corners(t);
+        let far = [a, b, c].map(|p| p.distance(middle.point));
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        // A ball holds all of a triangle whose corners it holds.
+        if far.iter().all(|far| *far < radius) {
+            sum += area;
+            continue;
+        }
+        if far.iter().all(|far| *far > radius + longest) {
+            continue;
+        }
+        let part = area / 1600.0;
         for_middles(40, |bary| {
             sum += part * f64::from(u8::from(surface.at(t, bary).distance(middle.point) < radius));
         });
