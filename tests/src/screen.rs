@@ -2,6 +2,7 @@
 //!
 //! Everything has a time limit. A server, and a program started on it, end with the value that holds them.
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -41,42 +42,20 @@ impl Screen {
             println!("skipped: {test} needs {} (xvfb xdotool imagemagick)", NEEDED.join(", "));
             return None;
         }
-        // Displays are numbered by who asks first; our own process id keeps neighbours apart.
-        let mut number = 90 + std::process::id() % 400;
-        loop {
-            let display = format!(":{number}");
-            let mut server = Command::new("Xvfb")
-                .args([
-                    &display,
-                    "-screen",
-                    "0",
-                    &format!("{width}x{height}x24"),
-                    "-nolisten",
-                    "tcp",
-                ])
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .spawn()
-                .expect("Xvfb starts");
-            let began = Instant::now();
-            while began.elapsed() < Duration::from_secs(10) {
-                if server.try_wait().expect("it can be asked").is_some() {
-                    break;
-                }
-                if Path::new(&format!("/tmp/.X11-unix/X{number}")).exists() {
-                    std::thread::sleep(Duration::from_millis(200));
-                    if server.try_wait().expect("it can be asked").is_none() {
-                        return Some(Self { server, display });
-                    }
-                    break;
-                }
-                std::thread::sleep(Duration::from_millis(50));
-            }
-            let _ = server.kill();
-            let _ = server.wait();
-            number += 1;
-            assert!(number < 600, "no display can be opened");
-        }
+        // The server takes a number that is free, and tells it when it is ready; where it cannot start it ends.
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", &format!("{width}x{height}x24")])
+            .args(["-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts");
+        let mut number = String::new();
+        let told = server.stdout.take().map(|out| BufReader::new(out).read_line(&mut number));
+        let is_up = matches!(told, Some(Ok(_))) && number.trim().parse::<u32>().is_ok();
+        let screen = Self { server, display: format!(":{}", number.trim()) };
+        assert!(is_up, "no display can be opened");
+        Some(screen)
     }
 
     /// A screen of a server that was started elsewhere; it ends with this.
