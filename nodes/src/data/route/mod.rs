@@ -6,10 +6,10 @@
 //!
 //! Guarantees: roots, ids, attributes and the number of points stay; a hair that nothing moves keeps its bits, and a tuft of such
 //! hairs is the tuft that came in; where lengths are kept, every piece from point to point is as long as it was, but where the skin
-//! pushes; on a scalp that is not rough no moved point ends deeper in the skin than the hair's `allow_depth`; as far as a hair keeps to its section it
-//! still does, and none leads over a parting before it did (rather it stays as it was, which is told). What a way out may take is
-//! bounded, and grows with the hair, so that more of it changes none before it. Not promised: anything for curves that are no curves;
-//! they pass through.
+//! pushes; on a scalp that is not rough no moved point ends deeper in the skin than the hair's `allow_depth`; as far as a hair keeps to
+//! its section it still does, and none leads over a parting before it did (rather it stays as it was, which is told). What a way out
+//! may take is bounded, and grows with the hair, so that more of it changes none before it. Not promised: anything for curves that are
+//! no curves, which pass through; nor for a new tuft that is built of moved points, which is the work of a maker (`makers.rs`).
 //!
 //! [`Piece::bend`]: crate::eval::Piece::bend
 
