@@ -223,7 +223,8 @@ fn middle(here: &mut [(Vec3, Vec3)], fewest: usize, skin: Option<&Skin>) -> Opti
     let mut about = mean(here);
     let counting = ((here.len() as f32 * COUNTS).ceil() as usize).clamp(FEWEST, here.len());
     for _ in 0..2 {
-        here.sort_by(|a, b| a.0.distance_squared(about).total_cmp(&b.0.distance_squared(about)));
+        let off = |p: &(Vec3, Vec3)| p.0.distance_squared(about);
+        here.select_nth_unstable_by(counting - 1, |a, b| off(a).total_cmp(&off(b)));
         about = mean(&here[..counting]);
     }
     let spread: f32 =

@@ -96,14 +96,17 @@ impl Spline {
 
     /// The table of arc lengths, once there are spans; each sub-interval is taken in so many parts, [`MOST_PARTS`] at most.
     fn tabulate(&mut self, parts: usize) -> Result<(), CurveFault> {
+        let stops = Stops::all(parts);
         self.lengths.push(0.0);
         let mut total = 0.0f64;
         for span in &self.spans {
             let mut arcs = [[0.0; SUBS]; MOST_PARTS];
-            for (part, arcs) in arcs[..parts].iter_mut().enumerate() {
-                *arcs = arc_lengths(span, part, parts);
+            let mut ends = [0.0; SUBS + 1];
+            for (stops, arcs) in stops[..parts].iter().zip(&mut arcs) {
+                let speeds = speeds(span, &stops.at);
+                *arcs = stops.arc_lengths(&speeds);
+                ends.copy_from_slice(&speeds[3 * SUBS..3 * SUBS + SUBS + 1]);
             }
-            let ends = speeds(span, &[0.0, 0.25, 0.5, 0.75, 1.0]);
             for sub in 0..SUBS {
                 arcs[..parts].iter().for_each(|arcs| total += f64::from(arcs[sub]));
                 self.lengths.push(total as f32);
@@ -267,36 +270,62 @@ fn derivative([_, c1, c2, c3]: &[Vec3; 4], t: f32) -> Vec3 {
     (*c3 * (3.0 * t) + *c2 * 2.0) * t + *c1
 }
 
-/// The speeds at these parameters: a plain loop over numbers, of which compilers take four at a time.
+/// Parameters at which a span's speed is taken at once, in fours.
+const LANES: usize = 20;
+
+/// The speeds at these parameters: numbers of one kind side by side, of which compilers take four at a time.
 #[inline]
-fn speeds<const N: usize>([_, c1, c2, c3]: &[Vec3; 4], at: &[f32; N]) -> [f32; N] {
-    at.map(|t| {
-        let along = |c1: f32, c2: f32, c3: f32| (c3 * (3.0 * t) + c2 * 2.0) * t + c1;
-        let [x, y, z] = [along(c1.x, c2.x, c3.x), along(c1.y, c2.y, c3.y), along(c1.z, c2.z, c3.z)];
-        (x * x + y * y + z * z).sqrt()
-    })
+fn speeds([_, c1, c2, c3]: &[Vec3; 4], at: &[f32; LANES]) -> [f32; LANES] {
+    let along = |c1: f32, c2: f32, c3: f32| {
+        let mut out = [0.0; LANES];
+        for (out, t) in out.iter_mut().zip(at) {
+            *out = (c3 * (3.0 * t) + c2 * 2.0) * t + c1;
+        }
+        out
+    };
+    let [x, y, z] = [along(c1.x, c2.x, c3.x), along(c1.y, c2.y, c3.y), along(c1.z, c2.z, c3.z)];
+    let mut out = [0.0; LANES];
+    for i in 0..LANES {
+        out[i] = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
+    }
+    out
 }
 
-/// The arc length of one part in so many of each sub-interval, by Gauss-Legendre with three points: exact for speeds that are
-/// polynomials up to degree five.
-fn arc_lengths(span: &[Vec3; 4], part: usize, parts: usize) -> [f32; SUBS] {
-    const X: f32 = 0.774_596_7;
-    let (mut at, mut halves) = ([0.0; 3 * SUBS], [0.0; SUBS]);
-    for sub in 0..SUBS {
-        let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
-        let end = |part: usize| t0 + (t1 - t0) * (part as f32 / parts as f32);
-        let (t0, t1) = (end(part), end(part + 1));
-        let (mid, half) = (0.5 * (t0 + t1), 0.5 * (t1 - t0));
-        (at[sub], at[SUBS + sub], at[2 * SUBS + sub]) = (mid + half * -X, mid, mid + half * X);
-        halves[sub] = half;
+/// Where speeds are taken for the arc lengths of one part of each sub-interval, by Gauss-Legendre with three points (exact for
+/// speeds that are polynomials up to degree five): first, second and third points, then the sub-intervals' ends.
+struct Stops {
+    at: [f32; LANES],
+    halves: [f32; SUBS],
+}
+
+impl Stops {
+    /// Of sub-intervals taken in so many parts, each part's.
+    fn all(parts: usize) -> [Self; MOST_PARTS] {
+        const X: f32 = 0.774_596_7;
+        [0, 1, 2, 3].map(|part: usize| {
+            let (mut at, mut halves) = ([1.0; LANES], [0.0; SUBS]);
+            for sub in 0..SUBS {
+                let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
+                let end = |part: usize| t0 + (t1 - t0) * (part as f32 / parts as f32);
+                let (m0, m1) = (end(part), end(part + 1));
+                let (mid, half) = (0.5 * (m0 + m1), 0.5 * (m1 - m0));
+                let gauss = [mid + half * -X, mid, mid + half * X];
+                [at[sub], at[SUBS + sub], at[2 * SUBS + sub]] = gauss;
+                at[3 * SUBS + sub] = t0;
+                halves[sub] = half;
+            }
+            Self { at, halves }
+        })
     }
-    let speeds = speeds(span, &at);
-    let mut arcs = [0.0; SUBS];
-    for sub in 0..SUBS {
-        let sum = 5.0 * speeds[sub] + 8.0 * speeds[SUBS + sub] + 5.0 * speeds[2 * SUBS + sub];
-        arcs[sub] = halves[sub] * sum / 9.0;
+
+    fn arc_lengths(&self, speeds: &[f32; LANES]) -> [f32; SUBS] {
+        let mut arcs = [0.0; SUBS];
+        for sub in 0..SUBS {
+            let sum = 5.0 * speeds[sub] + 8.0 * speeds[SUBS + sub] + 5.0 * speeds[2 * SUBS + sub];
+            arcs[sub] = self.halves[sub] * sum / 9.0;
+        }
+        arcs
     }
-    arcs
 }
 
 #[cfg(test)]

@@ -52,6 +52,10 @@ const STILL: f32 = 1e-5;
 /// million.
 const MOST_STEPS: usize = 100;
 const MOST_SPENT: usize = 14_000_000;
+/// Cells that lead near the sphere; where there are twice as many and more, a part of them is asked first, until it moves by less
+/// than this, in radii.
+const ENOUGH: usize = 30_000;
+const NEARLY: f32 = 1e-3;
 /// The surface is split anew if the radius falls below this fraction of the one it was split for.
 const SMALLER: f32 = 0.7;
 const LARGER: f32 = 1.4;
@@ -142,6 +146,8 @@ fn fitted(
     }
     let (mut surface, mut upper, mut cut_for) = (vec![], vec![], 0.0);
     let until = *spent + MOST_SPENT;
+    // Of very many cells one in so many leads to near where all of them do.
+    let mut every = 1;
     for _ in 0..most_steps {
         if !(SMALLER..LARGER).contains(&(radius / cut_for)) {
             surface = cut(radius)?;
@@ -150,16 +156,20 @@ fn fitted(
             let may_count = |c: &&Cell| c.at.y > -1.01 * DOWN * LARGER * radius;
             upper = surface.iter().filter(may_count).copied().collect();
             *spent += 2 * surface.len();
+            every = (upper.len() / ENOUGH).clamp(1, 16);
         }
-        *spent += upper.len();
+        *spent += upper.len() / every;
         let counts = |c: &&Cell| c.at.y > -DOWN * radius && on_shell(c, centre, radius);
-        let Some(next) = least_squares(upper.iter().filter(counts)) else { return Ok(None) };
+        let some = upper.iter().step_by(every);
+        let Some(next) = least_squares(some.filter(counts)) else { return Ok(None) };
         if !(1e-3..2.0).contains(&next.1) {
             return Ok(None);
         }
         let moved = next.0.distance(centre).max((next.1 - radius).abs());
         (centre, radius) = next;
-        if moved < still * radius || *spent > until {
+        if every > 1 {
+            every = if moved < NEARLY * radius { 1 } else { every };
+        } else if moved < still * radius || *spent > until {
             break;
         }
     }
@@ -222,12 +232,15 @@ impl Patches {
 /// The surface above `low` in cells of at most `size`.
 pub(crate) fn cells(points: &[Vec3], triangles: &[[u32; 3]], low: f32, size: f32) -> Vec<Cell> {
     let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
-    let longest = |[a, b, c]: [Vec3; 3]| {
-        let squares = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        squares.sqrt()
-    };
     let counts = |[a, b, c]: &[Vec3; 3]| a.y.max(b.y).max(c.y) > low;
-    let n_parts = |t: [Vec3; 3], size: f32| (longest(t) / size).ceil().clamp(1.0, MOST_PARTS);
+    let n_parts = |[a, b, c]: [Vec3; 3], size: f32| {
+        let square = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        // Most triangles of most meshes, without a root and a call.
+        if square < 0.999 * (size * size) {
+            return 1.0;
+        }
+        (square.sqrt() / size).ceil().clamp(1.0, MOST_PARTS)
+    };
     let n_cells = |size: f32| -> f32 {
         let parts = triangles.iter().map(corners).filter(counts).map(|t| n_parts(t, size) - 1.0);
         parts.map(|more| more * more).sum()
