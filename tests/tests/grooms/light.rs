@@ -4,7 +4,7 @@
 use super::shipped::{Shipped, evaluate, shipped};
 use coif_graphs::document::graph::check;
 use coif_graphs::{file, grooms};
-use coif_tests::{smooth_heads, two_of};
+use coif_tests::{one_of, smooth_heads};
 use expect_test::expect_file;
 use serde_json::Value as Json;
 
@@ -73,12 +73,12 @@ fn every_groom_evaluates_on_the_built_in_head() {
     light().for_each(|name| check_on(name, "the built-in head", shipped(name), 0.0));
 }
 
-/// As for heroes, a tenth of the hair stands for all, and two heads for each groom.
+/// As for heroes, a tenth of the hair stands for all, and each groom sits on one head.
 #[test]
 fn every_groom_sits_on_real_heads() {
     let heads: Vec<_> = smooth_heads("every_groom_sits_on_real_heads").collect();
     for (i, name) in light().enumerate() {
-        for head in two_of(&heads, i) {
+        for head in one_of(&heads, i) {
             let tenth = evaluate(name, Some(head), &["--quality", "preview"]);
             check_on(name, head.name, &tenth, 0.0);
         }
@@ -112,7 +112,7 @@ fn loose_hair_sits_on_the_built_in_head_and_on_real_ones() {
     let preview = ["--quality", "preview"];
     for (i, name) in names.iter().enumerate() {
         check_on(name, "the built-in head", &evaluate(name, None, &preview), 0.005);
-        two_of(&heads, i).for_each(|head| {
+        one_of(&heads, i).for_each(|head| {
             check_on(name, head.name, &evaluate(name, Some(head), &preview), 0.005)
         });
     }

@@ -26,11 +26,14 @@ impl Shipped {
     }
 }
 
-/// A groom with all its hair on the built-in head, evaluated by whoever asks first.
+/// A groom with all its hair on the built-in head, evaluated by whoever asks first: of grooms in turn one on one thread and one on
+/// two, which give the same hair.
 pub(crate) fn shipped(name: &'static str) -> &'static Shipped {
     static ALL: OnceLock<BTreeMap<&str, OnceLock<Shipped>>> = OnceLock::new();
     let all = || grooms::ALL.iter().map(|(name, _)| (*name, OnceLock::new())).collect();
-    ALL.get_or_init(all)[name].get_or_init(|| evaluate(name, None, &["--threads", "2"]))
+    let number = grooms::ALL.iter().position(|(known, _)| *known == name);
+    let threads = if number.is_some_and(|n| n % 2 == 0) { "1" } else { "2" };
+    ALL.get_or_init(all)[name].get_or_init(|| evaluate(name, None, &["--threads", threads]))
 }
 
 /// Heroes whose text is written too; of the others `usdc` alone, for a tenth of their hair is 20 MB of text each.
