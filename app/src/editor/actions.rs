@@ -1,7 +1,7 @@
 //! The whole table of what can be done by name: the rooms' parts of it, and what belongs to no room.
 
 use super::Editor;
-use crate::core::action::{Action, Can, Named, Of};
+use crate::core::action::{Action, ActionInfo, Can, Of};
 use crate::core::event::{Event, Window};
 use crate::core::room::Room;
 use crate::rooms::canvas::{self, Canvas};
@@ -97,8 +97,8 @@ pub fn by_id(id: &str) -> Option<Entry> {
 }
 
 /// What is said of the action of an id, for rooms.
-pub(super) fn named(id: &str) -> Option<Named> {
-    by_id(id).map(|Entry { id, label, tip, .. }| Named { id, label, tip })
+pub(super) fn named(id: &str) -> Option<ActionInfo> {
+    by_id(id).map(|Entry { id, label, tip, .. }| ActionInfo { id, label, tip })
 }
 
 macro_rules! show_room {

@@ -366,7 +366,9 @@ fn an_export_and_a_changed_file_move_nothing() {
     };
     let before = rooms(&hands);
     let to = folder.path("hair.usdc");
-    hands.editor().apply(Event::Documents(crate::core::documents::Event::Export(to.clone())));
+    hands
+        .editor()
+        .apply(Event::Documents(crate::core::documents::DocumentEvent::Export(to.clone())));
     let mut seen = false;
     crate::testing::until("the export ends", || {
         hands.steps(1);
@@ -375,7 +377,9 @@ fn an_export_and_a_changed_file_move_nothing() {
         to.exists() && !hands.shows("Stop export")
     });
     assert!(seen, "the status line showed it");
-    hands.editor().apply(Event::Documents(crate::core::documents::Event::Open(path.clone())));
+    hands
+        .editor()
+        .apply(Event::Documents(crate::core::documents::DocumentEvent::Open(path.clone())));
     hands.steps(4);
     let before = rooms(&hands);
     std::fs::write(&path, file::write(&groom("puffs"))).unwrap();
@@ -566,12 +570,12 @@ fn failures_are_seen_with_reason_and_remedy_and_kept_and_old_news_leaves() {
     std::fs::set_permissions(&read_only, mode).unwrap();
     let broken = folder.path("broken.ron");
     std::fs::write(&broken, "(format: 1, nodes: {,").unwrap();
-    use crate::core::documents::Event as File;
+    use crate::core::documents::DocumentEvent;
     let cases = [
-        (File::SaveTo(folder.path("none/x.ron")), "not saved: ", "make the folder"),
-        (File::SaveTo(read_only.clone()), "is read-only", "choose another name"),
-        (File::Open(broken.clone()), "not opened: ", "mend it"),
-        (File::Open(folder.path("gone.ron")), "no such file", "look for it with Open"),
+        (DocumentEvent::SaveTo(folder.path("none/x.ron")), "not saved: ", "make the folder"),
+        (DocumentEvent::SaveTo(read_only.clone()), "is read-only", "choose another name"),
+        (DocumentEvent::Open(broken.clone()), "not opened: ", "mend it"),
+        (DocumentEvent::Open(folder.path("gone.ron")), "no such file", "look for it with Open"),
     ];
     for (event, why, remedy) in cases.clone() {
         hands.editor().apply(Event::Documents(event));
@@ -591,7 +595,7 @@ fn failures_are_seen_with_reason_and_remedy_and_kept_and_old_news_leaves() {
     assert!(hands.0.query_all_by_label_contains("make the folder").next().is_some(), "it is kept");
     // What was done leaves the status line.
     hands.editor().apply(Event::Show(Room::Canvas));
-    hands.editor().apply(Event::Documents(File::SaveTo(folder.path("x.ron"))));
+    hands.editor().apply(Event::Documents(DocumentEvent::SaveTo(folder.path("x.ron"))));
     // (The thread that saves takes its time.)
     for _ in 0..100 {
         hands.steps(2);
@@ -634,7 +638,7 @@ fn the_hair_and_the_symmetry_of_a_document_go_with_it() {
     assert!(hands.editor().state.shown.is_some());
     hands.editor().state.settings.pen.symmetry = true;
     assert!(hands.editor().state.settings.pen.symmetry);
-    hands.editor().apply(Event::Documents(crate::core::documents::Event::New(None)));
+    hands.editor().apply(Event::Documents(crate::core::documents::DocumentEvent::New(None)));
     let braids = |hands: &Hands| {
         let shown = hands.0.state().state.shown.as_ref();
         shown.is_some_and(|shown| shown.curves.curve_count() > 0)

@@ -8,7 +8,7 @@ use super::conflict::{as_told, told_of_ours};
 use super::fact::{Fact, Facts, facts};
 use super::words::one_line;
 use crate::document::edit::Edit;
-use crate::document::{Document, NodeId, Place, Setting, Socket};
+use crate::document::{Document, FileEntry, NodeId, Setting, Socket};
 use crate::file::CONFLICT;
 use crate::text::read_value;
 use coif_nodes::define::{Type, Value};
@@ -35,7 +35,7 @@ pub fn undecided(document: &Document) -> Vec<Undecided> {
         return vec![];
     }
     let said = facts(document);
-    let at = |(place, lines): (&Place, &Vec<String>)| {
+    let at = |(place, lines): (&FileEntry, &Vec<String>)| {
         let of_line = |(n, line): (usize, &String)| {
             let text = line.strip_prefix(CONFLICT)?.trim().to_owned();
             let mut others = lines.clone();

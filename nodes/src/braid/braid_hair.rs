@@ -11,14 +11,14 @@
 
 use super::band::Band;
 use super::braid_territory::ORDER;
-use super::hair_path::{Entry, Leader, Manner, Wish};
-use super::tube::{Asked, Braid, Stitch};
+use super::hair_path::{BraidHairParams, Entry, HairTracer, Manner};
+use super::tube::{Braid, Stitch, TubeParams};
 use crate::data::attributes::{
     ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE,
     STITCH, STRAND, TIED, WIDTH,
 };
 use crate::data::curves::MOST_A_CURVE;
-use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece, Size};
@@ -184,7 +184,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let stitches = tufts.iter().filter(|n| **n as usize >= of_strands);
             let stitches =
                 stitches.flat_map(|n| stitches_of(&all.tufts()[*n as usize], row)).collect();
-            let asked = Asked {
+            let asked = TubeParams {
                 per_stitch: inputs.points_per_stitch,
                 fill: &fill[n],
                 broad: inputs.broad,
@@ -201,7 +201,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let mut needed: Vec<u32> = vec![];
         for i in 0..tuft.len() {
             needed.extend(by_row.get(&row_of(tuft, i)).into_iter().flatten());
-            if matches!(tuft.view(PARENT), View::Shared(_)) {
+            if matches!(tuft.view(PARENT), AttributeView::Shared(_)) {
                 break;
             }
         }
@@ -212,8 +212,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let placed = cx.by_place(scalp);
     let [curves, extension] =
         placed.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
-            let filler =
-                Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, for_hair.as_ref()) };
+            let filler = Filler {
+                inputs: &inputs,
+                leader: HairTracer::new(&manner, scalp, for_hair.as_ref()),
+            };
             filler.fill(tuft, &of_row, piece)
         })?;
     let of_band = |n: usize| {
@@ -308,7 +310,7 @@ fn stitches_of(tuft: &Tuft, row: u64) -> Vec<Stitch> {
 
 struct Filler<'a> {
     inputs: &'a Inputs,
-    leader: Leader<'a>,
+    leader: HairTracer<'a>,
 }
 
 /// Hairs under construction.
@@ -336,7 +338,7 @@ impl Filler<'_> {
         let fed = tuft.view(FED);
         let along = tuft.view(ALONG);
         // Hair without a count, such as that of boxes, fills its strand evenly.
-        let order: Option<View<f32>> = tuft.view_named(ORDER);
+        let order: Option<AttributeView<f32>> = tuft.view_named(ORDER);
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
         let mut made = [Made::default(), Made::default()];
@@ -357,7 +359,7 @@ impl Filler<'_> {
             let id = curve_id(tuft.id(i), self.inputs.seed as u64, 0);
             let is_fed = fed.at(i, first) != 0;
             let entry = self.entry(braid, id, way, along.at(i, first), side.at(i, first), is_fed);
-            let wish = Wish {
+            let wish = BraidHairParams {
                 id,
                 fed: is_fed,
                 order: order

@@ -11,7 +11,7 @@
 
 use crate::data::scalp::{Root, Scalp};
 use crate::maths::frame::{across, any_normal};
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, exp, sin_cos};
@@ -157,7 +157,7 @@ pub(crate) struct Owner {
 }
 
 /// All rows, indexed for lookup.
-pub(crate) struct Ground {
+pub(crate) struct RowIndex {
     pub(crate) lanes: Vec<Lane>,
     cell: f32,
     cells: BTreeMap<[i32; 3], Vec<u32>>,
@@ -166,7 +166,7 @@ pub(crate) struct Ground {
 /// Size of the cells that list the rows that may be near, head units.
 const CELL: f32 = 1.5;
 
-impl Ground {
+impl RowIndex {
     pub(crate) fn new(lanes: Vec<Lane>, scalp: &Scalp) -> Self {
         let cell = CELL * scalp.frame().unit();
         let lanes = over_the_scalp(lanes, scalp);
@@ -238,7 +238,7 @@ fn cell_of(p: Vec3, cell: f32) -> [i32; 3] {
 }
 
 /// One side of a row, unrolled.
-pub(crate) struct Map {
+pub(crate) struct UnrolledSide {
     points: Vec<Vec3>,
     columns: usize,
     /// Steps of a column.
@@ -246,7 +246,7 @@ pub(crate) struct Map {
     step: f32,
     /// Spacing of the starts of columns along the row, cm.
     pitch: f32,
-    tree: Nearest,
+    tree: KdTree,
     /// Distance from the row at which each column leaves the row's own territory.
     pub(crate) limit: Vec<f32>,
 }
@@ -258,7 +258,7 @@ const MOST_STATIONS: usize = 64;
 /// The most steps of a column.
 const MOST_STEPS: f32 = 28.0;
 
-impl Map {
+impl UnrolledSide {
     /// The map of one side up to `reach` cm from the row; `inside` says whether a point belongs to the row's territory.
     pub(crate) fn new(
         lane: &Lane,
@@ -304,7 +304,7 @@ impl Map {
             }
             limit.push(last + 0.5 * step);
         }
-        let tree = Nearest::new(found);
+        let tree = KdTree::new(found);
         let pitch = (lane.row.length() / (stations - 1) as f32).max(1e-6);
         Self { points, columns, steps, step, pitch, tree, limit }
     }
@@ -319,7 +319,7 @@ impl Map {
         let (sin, cos) = sin_cos(beyond / FAN as f32 * FRAC_PI_2);
         Vec2::new((column.clamp(first, last) - first) * self.pitch + v * sin, v * cos)
     }
-    /// Column and distance of a position in [`Map::plain`].
+    /// Column and distance of a position in [`UnrolledSide::plain`].
     fn unrolled(&self, p: Vec2) -> (f32, f32) {
         let (first, last) = (FAN as f32, (self.columns - 1 - FAN) as f32);
         let along = p.x / self.pitch + first;

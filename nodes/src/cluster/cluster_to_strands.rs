@@ -9,8 +9,8 @@
 //! frizzed are as evenly spaced as the cluster's.
 
 use super::bias::end_on_plane;
-use super::cross_sections::{Section, Sections, open_radius, widest_radius};
-use super::shape::Shape;
+use super::cross_sections::{CrossSection, CrossSections, open_radius, widest_radius};
+use super::shape::ClusterShape;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
     ROOT_TRIANGLE, ROOT_UV, WIDTH,
@@ -144,7 +144,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         seed: inputs.seed,
         scalp,
         skin,
-        shape: Shape::asked(&inputs, cx.dice(inputs.seed, "shape")),
+        shape: ClusterShape::asked(&inputs, cx.dice(inputs.seed, "shape")),
     };
     // How many strands a cluster of a density and radius (cm) asks for.
     let strands_in = |density: f32, radius: f32| match inputs.count {
@@ -166,7 +166,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (density, other) = (inputs.density.on(tuft, scalp)?, inputs.flatness.on(tuft, scalp)?);
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
-            let asked = super::cross_sections::Asked {
+            let asked = super::cross_sections::CrossSectionParams {
                 points: 0,
                 most_points: 0,
                 radius: &radius,
@@ -236,7 +236,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         };
         let first = tuft.range(curve).start;
         let density = inputs.density.on(tuft, scalp)?.at(curve, first, 0.0);
-        let sampled = super::cross_sections::Asked {
+        let sampled = super::cross_sections::CrossSectionParams {
             points: inputs.points as usize,
             most_points: inputs.most_points as usize,
             radius: &inputs.radius.on(tuft, scalp)?,
@@ -248,7 +248,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             least: least(density),
             twist: &inputs.twist.on(tuft, scalp)?,
         };
-        let sections = match Sections::new(tuft, curve, &sampled, skin.zip(scalp)) {
+        let sections = match CrossSections::new(tuft, curve, &sampled, skin.zip(scalp)) {
             Ok(sections) => sections,
             Err(fault) => return left_out(&fault.to_string()),
         };
@@ -281,13 +281,13 @@ struct Filler<'a> {
     scalp: Option<&'a Scalp>,
     skin: Option<Skin<'a>>,
     /// None where strands run as their cluster does.
-    shape: Option<Shape>,
+    shape: Option<ClusterShape>,
 }
 
-impl Shape {
+impl ClusterShape {
     /// The shape that inputs ask for.
     fn asked(inputs: &Inputs, dice: Dice) -> Option<Self> {
-        let shape = Shape {
+        let shape = ClusterShape {
             wisps: inputs.wisps as usize,
             root_clump: inputs.root_clump,
             tip_clump: inputs.tip_clump,
@@ -307,7 +307,7 @@ impl Filler<'_> {
         &self,
         cluster: u64,
         count: usize,
-        sections: &Sections,
+        sections: &CrossSections,
         piece: &mut Piece,
     ) -> Result<TuftBuilder, NodeError> {
         let skin = self.skin.as_ref().filter(|_| self.push);
@@ -352,7 +352,7 @@ impl Filler<'_> {
             let first = points.len();
             points.push(root);
             wander(self.walk, id, q, &sections.steps, &mut walk);
-            let walked = |section: &Section| {
+            let walked = |section: &CrossSection| {
                 let [a, b, c] = section.weights;
                 match walk.get(section.knot..section.knot + 3) {
                     Some([before, here, after]) if wanders => *before * a + *here * b + *after * c,
@@ -430,7 +430,7 @@ fn inherit(
     strands: &mut TuftBuilder,
     tuft: &Tuft,
     curve: usize,
-    sections: &Sections,
+    sections: &CrossSections,
     inputs: &Inputs,
 ) {
     let count = strands.len();

@@ -1,13 +1,13 @@
 //! The cross-sections of a cluster where its strands have points: worked out once, used by every strand.
 
 use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, NORMAL, ROLL, SCALP_NORMAL};
-use crate::data::curves::{Tuft, View};
+use crate::data::curves::{AttributeView, Tuft};
 use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{Frame, across, any_normal, carry, frames};
 use crate::maths::random_walk::smooth;
-use crate::maths::spline::{CurveFault, Place, Spline};
+use crate::maths::spline::{CurveFault, Spline, SplineParam};
 use crate::maths::transcendental::{atan2, sin_cos};
 use glam::Vec3;
 
@@ -20,7 +20,7 @@ const REACH: f32 = 1.25;
 const MOST_STEPS: f32 = 4096.0;
 
 /// What the artist asks of a cluster.
-pub(super) struct Asked<'a> {
+pub(super) struct CrossSectionParams<'a> {
     pub points: usize,
     /// The most points of a strand, whatever else asks for more.
     pub most_points: usize,
@@ -41,7 +41,7 @@ pub(super) struct Asked<'a> {
 }
 
 /// What all strands of a cluster share.
-pub(super) struct Sections {
+pub(super) struct CrossSections {
     /// Where the cluster starts.
     pub root: Vec3,
     /// Where the cluster is open first: see [`open_radius`].
@@ -53,18 +53,18 @@ pub(super) struct Sections {
     /// Half axes of the disc of roots, in the scalp's tangent plane, cm.
     pub disc: [Vec3; 2],
     /// One for each point of a strand; the root's is not used.
-    pub at: Vec<Section>,
+    pub at: Vec<CrossSection>,
     /// How far the walk may step to each of its knots, in radii; empty when no strand wanders.
     pub steps: Vec<f32>,
     /// Whether strands would need more points than they may have.
     pub coarse: bool,
     /// Whether the cluster says point by point how deep it may lie in the skin.
     pub sinks: bool,
-    places: Vec<Place>,
+    places: Vec<SplineParam>,
 }
 
 /// The cross-section at one point of the strands.
-pub(super) struct Section {
+pub(super) struct CrossSection {
     pub centre: Vec3,
     /// Half axes, cm: radius and roll are in them.
     pub x: Vec3,
@@ -80,7 +80,7 @@ pub(super) struct Section {
     pub radius: f32,
 }
 
-impl Section {
+impl CrossSection {
     /// A point on its way from the root, `offset` from the cluster's, to `p` in the plane across; no farther from the
     /// centre line than the radius.
     #[inline]
@@ -91,25 +91,26 @@ impl Section {
     }
 }
 
-impl Sections {
+impl CrossSections {
     pub(super) fn new(
         tuft: &Tuft,
         curve: usize,
-        asked: &Asked,
+        asked: &CrossSectionParams,
         head: Option<(Skin, &Scalp)>,
     ) -> Result<Self, CurveFault> {
         let spline = Spline::new(tuft.curve(curve))?;
         let (cvs, length) = (tuft.range(curve), spline.length());
-        let sample = |field: &Sampler, place: Place, u: f32| {
+        let sample = |field: &Sampler, place: SplineParam, u: f32| {
             between(place, |cv| field.at(curve, cvs.start + cv, u))
         };
         let rolls = rolls(tuft, curve, &spline, asked.twist);
-        let roll_at = |place: Place| between(place, |cv| rolls[cv]).to_radians();
+        let roll_at = |place: SplineParam| between(place, |cv| rolls[cv]).to_radians();
         let (us, places, coarse) = strand_points(&spline, asked, &rolls);
 
         let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
-        let radius_at =
-            |place: Place, u: f32| sample(asked.radius, place, u) * asked.profile.at(u).max(0.0);
+        let radius_at = |place: SplineParam, u: f32| {
+            sample(asked.radius, place, u) * asked.profile.at(u).max(0.0)
+        };
         let root_radius = open_radius(tuft, curve, asked, |cv| spline.u_of_cv(cv));
         let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
         let normal = match hit {
@@ -136,7 +137,7 @@ impl Sections {
             .collect();
         let carried = frames(&spline, &us, Some(start), |_, _, _| None);
         let flat = Flat::new(asked, tuft.view(NORMAL).at(curve, cvs.start), normal, &carried);
-        let thin = |place: Place, u: f32| sample(asked.flatness, place, u);
+        let thin = |place: SplineParam, u: f32| sample(asked.flatness, place, u);
         let at = carried
             .into_iter()
             .zip(us.iter().zip(&places))
@@ -149,7 +150,7 @@ impl Sections {
                     step if step > 0.0 => u * spans as f32,
                     _ => place.span as f32 + place.t,
                 });
-                Section {
+                CrossSection {
                     centre: spline.point(place),
                     x,
                     y,
@@ -165,8 +166,7 @@ impl Sections {
         let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
         let disc = flat.pressed(disc, thin(places[0], 0.0));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
-        let sinks =
-            matches!(depth, View::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
+        let sinks = matches!(depth, AttributeView::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
         let cut = tuft.view(CUT).at(curve, cvs.start).try_normalize();
         let cut = cut.map(|normal| (tuft.curve(curve)[cvs.len() - 1], normal));
         Ok(Self { root, cut, root_radius, length, disc, at, steps, places, coarse, sinks })
@@ -175,9 +175,9 @@ impl Sections {
     /// The cluster's colour at each point of a strand, or the one it has everywhere.
     pub(super) fn colours(&self, tuft: &Tuft, curve: usize) -> Vec<Vec3> {
         match tuft.view(COLOUR) {
-            View::Point(all) => {
+            AttributeView::Point(all) => {
                 let all = &all[tuft.range(curve)];
-                let at = |place: &Place| all[place.span].lerp(all[place.span + 1], place.t);
+                let at = |place: &SplineParam| all[place.span].lerp(all[place.span + 1], place.t);
                 self.places.iter().map(at).collect()
             }
             other => vec![other.at(curve, 0)],
@@ -190,7 +190,7 @@ impl Sections {
 pub(super) fn open_radius(
     tuft: &Tuft,
     curve: usize,
-    asked: &Asked,
+    asked: &CrossSectionParams,
     u: impl Fn(usize) -> f32,
 ) -> f32 {
     let open = radii(tuft, curve, asked, &u).find(|radius| *radius > asked.least);
@@ -201,7 +201,7 @@ pub(super) fn open_radius(
 pub(super) fn widest_radius(
     tuft: &Tuft,
     curve: usize,
-    asked: &Asked,
+    asked: &CrossSectionParams,
     u: impl Fn(usize) -> f32,
 ) -> f32 {
     radii(tuft, curve, asked, &u).fold(0.0, f32::max)
@@ -211,7 +211,7 @@ pub(super) fn widest_radius(
 fn radii(
     tuft: &Tuft,
     curve: usize,
-    asked: &Asked,
+    asked: &CrossSectionParams,
     u: &impl Fn(usize) -> f32,
 ) -> impl Iterator<Item = f32> {
     let cvs = tuft.range(curve);
@@ -233,7 +233,7 @@ struct Flat {
 impl Flat {
     /// The thin way is that of the curve's own normal where it has one, else that of the skin's, seen where the
     /// cluster has left its root.
-    fn new(asked: &Asked, own: Vec3, skin: Vec3, carried: &[Frame]) -> Self {
+    fn new(asked: &CrossSectionParams, own: Vec3, skin: Vec3, carried: &[Frame]) -> Self {
         let round = asked.flatness.is_of_curves() && asked.flatness.at(0, 0, 0.0) >= 1.0;
         let (frame, wanted) = match own.try_normalize() {
             Some(own) => (carried.first(), own),
@@ -259,7 +259,7 @@ impl Flat {
 }
 
 /// A number between CVs.
-fn between(place: Place, at: impl Fn(usize) -> f32) -> f32 {
+fn between(place: SplineParam, at: impl Fn(usize) -> f32) -> f32 {
     let (a, b) = (at(place.span), at(place.span + 1));
     a + (b - a) * place.t
 }
@@ -282,13 +282,17 @@ fn rolls(tuft: &Tuft, curve: usize, spline: &Spline, twist: &Sampler) -> Vec<f32
 
 /// Where a strand has points: evenly along the cluster, and so many that its roll turns at most [`TURN`] in between. The last
 /// value tells whether that, or what was asked for, is more than a strand may have: then it has the most there are.
-fn strand_points(spline: &Spline, asked: &Asked, rolls: &[f32]) -> (Vec<f32>, Vec<Place>, bool) {
+fn strand_points(
+    spline: &Spline,
+    asked: &CrossSectionParams,
+    rolls: &[f32],
+) -> (Vec<f32>, Vec<SplineParam>, bool) {
     let most_points = asked.most_points.max(2);
     let mut count = asked.points.min(most_points);
     loop {
         let us: Vec<f32> = (0..count).map(|k| k as f32 / (count - 1) as f32).collect();
-        let places: Vec<Place> = us.iter().map(|u| spline.locate(*u)).collect();
-        let roll = |place: Place| between(place, |cv| rolls[cv]);
+        let places: Vec<SplineParam> = us.iter().map(|u| spline.locate(*u)).collect();
+        let roll = |place: SplineParam| between(place, |cv| rolls[cv]);
         let most = places.windows(2).map(|w| (roll(w[1]) - roll(w[0])).abs()).fold(0.0, f32::max);
         let fine = most <= TURN * 1.001;
         if fine || count >= most_points {

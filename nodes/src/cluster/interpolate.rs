@@ -9,7 +9,7 @@
 //! where that would lead it over a parting it gathers to the guide sooner, so that both leave the section in one place. Not
 //! promised: that hair stays over its section beyond that, for it goes where its guides go.
 
-use super::plan::{Hair, Plan};
+use super::plan::{Plan, PlannedHair};
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, Domain, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
     SCALP_NORMAL, SECTION, WIDTH,
@@ -99,7 +99,7 @@ choice! {
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
     let guides = one_each(&inputs.guides);
-    let asked = super::plan::Asked {
+    let asked = super::plan::PlanParams {
         count: (inputs.by == By::Count).then_some(inputs.count as usize),
         density: inputs.density,
         mask: &inputs.mask,
@@ -195,7 +195,7 @@ struct Read<'a, 'p> {
     /// How many.
     hairs: usize,
     /// One of them, with its guides and their weights.
-    hair: &'a dyn Fn(usize) -> (&'p Hair, &'p [(u32, f32)]),
+    hair: &'a dyn Fn(usize) -> (&'p PlannedHair, &'p [(u32, f32)]),
     shape: &'a dyn Fn(u32) -> &'p Shape,
 }
 
@@ -354,7 +354,7 @@ impl Maker<'_> {
         // The hair's own way from its root, and what it is drawn to, which is the guide cut as it is.
         let (mut free, mut drawn_to) = (vec![[0.0; 4]; each], vec![[0.0; 4]; each]);
         let mut asked = vec![None; each];
-        let mut grown: Vec<&Hair> = Vec::with_capacity(read.hairs);
+        let mut grown: Vec<&PlannedHair> = Vec::with_capacity(read.hairs);
         let mut ids = Vec::with_capacity(read.hairs);
         for (hair, blend) in (0..read.hairs).map(hair) {
             piece.tick()?;
@@ -622,7 +622,7 @@ mod tests {
     fn hair_is_spread_more_evenly_than_by_chance() {
         let hair = grow(&guides(100, |_| 4.0), &[("count", Value::Int(8000))]);
         let roots: Vec<Vec3> = hair.each().map(|(t, i)| t.curve(i)[0]).collect();
-        let tree = crate::maths::nearest::Nearest::new(roots.iter().copied());
+        let tree = crate::maths::nearest::KdTree::new(roots.iter().copied());
         // Among places thrown by chance on an area, the nearest is on average half as far as their even spacing (Clark and Evans
         // 1954), and one in 127 is nearer than a twentieth of it: 1 - exp(-pi / 400).
         let even = (498.0f32 / 8000.0).sqrt();

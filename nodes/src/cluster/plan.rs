@@ -8,14 +8,14 @@ use crate::define::{FieldInput, NodeError};
 use crate::eval::{EvalCx, Size};
 use crate::guides::even_roots::EvenRoots;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use crate::maths::spline::{CurveFault, Spline};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// What the artist asks of the plan.
-pub(super) struct Asked<'a> {
+pub(super) struct PlanParams<'a> {
     /// Hairs in all; none: by density.
     pub count: Option<usize>,
     /// Hairs a cm2.
@@ -31,7 +31,7 @@ pub(super) struct Asked<'a> {
 
 /// A hair before it has a shape.
 #[derive(Clone, Copy)]
-pub(super) struct Hair {
+pub(super) struct PlannedHair {
     /// Number in the list of even roots.
     pub index: u32,
     pub triangle: u32,
@@ -44,21 +44,21 @@ pub(super) struct Hair {
 }
 
 /// The hair nearest to one guide.
-pub(super) struct Group {
+pub(super) struct GuideHair {
     pub key: Key,
     /// Guides that shape it, its own first.
     pub guides: Vec<u32>,
     /// Its hair, for [`Plan::hair`], in the order in which density adds it.
-    pub hairs: Vec<Place>,
+    pub hairs: Vec<HairIndex>,
 }
 
 /// Where a hair lies in a plan: its batch, and its number there.
-pub(super) type Place = (u32, u32);
+pub(super) type HairIndex = (u32, u32);
 
 /// All hair before it has a shape, and which of it is nearest to each guide.
 #[derive(Default)]
 pub(super) struct Plan {
-    pub groups: Vec<Group>,
+    pub groups: Vec<GuideHair>,
     found: Vec<Found>,
     /// Scalp normal at each guide's root.
     pub normals: Vec<Vec3>,
@@ -85,7 +85,7 @@ const BEYOND: usize = 4;
 /// Hair of one batch, along the curve; weights with guides' numbers, nearest first.
 #[derive(Default)]
 struct Found {
-    hairs: Vec<Hair>,
+    hairs: Vec<PlannedHair>,
     weights: Vec<(u32, f32)>,
     led_by_none: usize,
 }
@@ -96,7 +96,7 @@ impl Plan {
         cx: &EvalCx,
         guides: &[Arc<Tuft>],
         scalp: &Scalp,
-        asked: &Asked,
+        asked: &PlanParams,
     ) -> Result<Arc<Plan>, NodeError> {
         // A guide without a shape shapes nothing. Building the spline is the test, a microsecond each.
         let faults = each_guide(cx, guides, |_, tuft| Spline::new(tuft.curve(0)).err())?;
@@ -142,7 +142,7 @@ impl Plan {
         guides: &[Arc<Tuft>],
         roots: &[Vec3],
         scalp: &Scalp,
-        asked: &Asked,
+        asked: &PlanParams,
     ) -> Result<Plan, NodeError> {
         let skin = cx.skin(scalp);
         let surface = scalp.surface();
@@ -209,7 +209,7 @@ impl Plan {
     }
 
     /// A hair and its guides with their weights, which add up to one; the nearest first.
-    pub(super) fn hair(&self, (batch, i): Place) -> (&Hair, &[(u32, f32)]) {
+    pub(super) fn hair(&self, (batch, i): HairIndex) -> (&PlannedHair, &[(u32, f32)]) {
         let found = &self.found[batch as usize];
         let hair = &found.hairs[i as usize];
         let (at, count) = hair.weights;
@@ -217,10 +217,10 @@ impl Plan {
     }
 
     /// The hair of all batches by nearest guide.
-    fn grouped(&self, cx: &EvalCx) -> Result<Vec<Group>, NodeError> {
+    fn grouped(&self, cx: &EvalCx) -> Result<Vec<GuideHair>, NodeError> {
         let places = || {
             (0..).zip(&self.found).flat_map(|(batch, found)| {
-                let own = |hair: &Hair| found.weights[hair.weights.0 as usize].0 as usize;
+                let own = |hair: &PlannedHair| found.weights[hair.weights.0 as usize].0 as usize;
                 (0..).zip(&found.hairs).map(move |(i, hair)| (own(hair), (hair.index, (batch, i))))
             })
         };
@@ -233,7 +233,7 @@ impl Plan {
             *end = all;
         }
         let mut begins = ends.clone();
-        let mut order: Vec<(u32, Place)> = vec![(0, (0, 0)); all];
+        let mut order: Vec<(u32, HairIndex)> = vec![(0, (0, 0)); all];
         for (guide, hair) in places() {
             begins[guide] -= 1;
             order[begins[guide]] = hair;
@@ -249,7 +249,7 @@ impl Plan {
                 let hairs = hairs.into_iter().map(|(_, place)| place).collect();
                 self.group(*guide as u32, hairs, &mut slots, &mut told)
             });
-            Ok(led.collect::<Vec<Group>>())
+            Ok(led.collect::<Vec<GuideHair>>())
         })?;
         Ok(pieces.into_iter().flatten().collect())
     }
@@ -258,10 +258,10 @@ impl Plan {
     fn group(
         &self,
         guide: u32,
-        hairs: Vec<Place>,
+        hairs: Vec<HairIndex>,
         slots: &mut [u32],
         told: &mut Vec<u64>,
-    ) -> Group {
+    ) -> GuideHair {
         let both = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
         let mut guides = vec![guide];
         slots[guide as usize] = 0;
@@ -281,7 +281,7 @@ impl Plan {
         guides.iter().for_each(|guide| slots[*guide as usize] = NO_SLOT);
         let key = KeyBuilder::new("group").column(told);
         let key = guides.iter().fold(key, |key, g| key.vec3(self.normals[*g as usize]));
-        Group { key: key.finish(), guides, hairs }
+        GuideHair { key: key.finish(), guides, hairs }
     }
 }
 
@@ -324,7 +324,7 @@ struct Finder<'a> {
     keep: Dice,
     roots: &'a [Vec3],
     scalp: &'a Scalp,
-    asked: &'a Asked<'a>,
+    asked: &'a PlanParams<'a>,
 }
 
 impl Finder<'_> {
@@ -385,7 +385,7 @@ impl Finder<'_> {
                 let count = found.weights.len() - at;
                 if count > 0 {
                     let (index, root) = &rooted[start + i];
-                    found.hairs.push(Hair {
+                    found.hairs.push(PlannedHair {
                         index: *index,
                         triangle: root.triangle,
                         bary: root.bary,
@@ -407,14 +407,14 @@ impl Finder<'_> {
 struct Forest<'a> {
     cut: Option<&'a Sections>,
     /// One for each section (with guides), or one for a scalp that is not parted.
-    trees: Vec<Option<Nearest>>,
+    trees: Vec<Option<KdTree>>,
     ids: Vec<u64>,
 }
 
 impl<'a> Forest<'a> {
     fn new(roots: &[Vec3], scalp: &'a Scalp) -> Self {
         let Some(cut) = scalp.sections() else {
-            let trees = vec![Some(Nearest::new(roots.iter().copied()))];
+            let trees = vec![Some(KdTree::new(roots.iter().copied()))];
             return Self { cut: None, trees, ids: vec![0; roots.len()] };
         };
         let at: Vec<Option<u32>> =
@@ -425,7 +425,7 @@ impl<'a> Forest<'a> {
                 of[*section as usize].push((*p, number));
             }
         }
-        let tree = |of: Vec<(Vec3, u32)>| (!of.is_empty()).then(|| Nearest::numbered(of));
+        let tree = |of: Vec<(Vec3, u32)>| (!of.is_empty()).then(|| KdTree::numbered(of));
         let trees = of.into_iter().map(tree).collect();
         let id = |at: &Option<u32>| at.map_or(0, |at| cut.list()[at as usize].id);
         Self { cut: Some(cut), trees, ids: at.iter().map(id).collect() }
@@ -434,7 +434,7 @@ impl<'a> Forest<'a> {
     /// before every one of them. The next parting is `parting` (cm) off.
     fn open_to(
         &self,
-        tree: &Nearest,
+        tree: &KdTree,
         p: Vec3,
         parting: f32,
         roots: &[Vec3],
@@ -478,7 +478,7 @@ fn masked(
 
 /// Adds the guides of a hair with their weights, nearest first: (1/d - 1/R)^2 with R the distance of the first guide
 /// that does not count, so that a guide's weight is zero when another takes its place.
-fn weigh(near: &[(f32, u32)], asked: &Asked, blend: &mut Vec<(u32, f32)>) {
+fn weigh(near: &[(f32, u32)], asked: &PlanParams, blend: &mut Vec<(u32, f32)>) {
     let first = blend.len();
     let mut horizon = near.get(asked.neighbours).map_or(f32::MAX, |(d2, _)| d2.sqrt());
     if asked.reach > 0.0 {

@@ -19,7 +19,7 @@ use crate::data::route::{Lengths, Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
-use crate::maths::box_tree::{Block, BoxTree, Rod};
+use crate::maths::box_tree::{Aabb, BoxTree, Rod};
 use crate::maths::hash::{KeyBuilder, mix};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -163,7 +163,7 @@ fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<[Curves; 2], No
         .zip(&laid)
         .filter_map(|(n, laid)| Some((laid.curves.iter().fold(None, joined)?, n)))
         .unzip();
-    let blocks: Vec<Block> = boxes.iter().map(|(low, high)| Block::new(*low, *high)).collect();
+    let blocks: Vec<Aabb> = boxes.iter().map(|(low, high)| Aabb::new(*low, *high)).collect();
     let tree = BoxTree::new(&boxes);
     let mut near = vec![vec![]; tufts.len()];
     let mut found = vec![];
@@ -265,7 +265,7 @@ fn pushes(
         for (i, corners) in other.curves.iter().enumerate() {
             piece.tick()?;
             let Some((low, high)) = corners else { continue };
-            let block = Block::new(*low, *high);
+            let block = Aabb::new(*low, *high);
             if !tree.any(|_, node| node.touches(&block)) {
                 continue;
             }

@@ -3,7 +3,7 @@
 //! Guarantees: nothing is drawn by number, so more strands change none; without stray hairs a strand stays within
 //! the cluster's radius; what asks for nothing is [`None`] and costs nothing.
 
-use super::cross_sections::{Section, Sections};
+use super::cross_sections::{CrossSection, CrossSections};
 use crate::maths::hash::Dice;
 use crate::maths::low_discrepancy::disc;
 use crate::maths::smoothstep;
@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 const WAVES: [f32; 2] = [3.1, 4.7];
 
 /// What all strands are asked for.
-pub(super) struct Shape {
+pub(super) struct ClusterShape {
     pub wisps: usize,
     pub root_clump: f32,
     pub tip_clump: f32,
@@ -31,7 +31,7 @@ pub(super) struct Shape {
 
 /// What one strand is.
 pub(super) struct Strand<'a> {
-    shape: &'a Shape,
+    shape: &'a ClusterShape,
     /// Where it is drawn to in the unit disc.
     middle: Vec2,
     /// Share of the cluster's length that it has.
@@ -43,7 +43,7 @@ pub(super) struct Strand<'a> {
     off: Vec2,
 }
 
-impl Shape {
+impl ClusterShape {
     pub(super) fn changes_anything(&self) -> bool {
         let strays = self.stray > 0.0 && self.stray_amount > 0.0;
         strays
@@ -61,7 +61,7 @@ impl Shape {
         &self,
         id: u64,
         q: Vec2,
-        sections: &Sections,
+        sections: &CrossSections,
         wisps: &[Vec2],
     ) -> Strand<'_> {
         let dice = self.dice;
@@ -101,9 +101,9 @@ impl Strand<'_> {
     pub(super) fn point(
         &self,
         k: usize,
-        sections: &Sections,
+        sections: &CrossSections,
         root: Vec3,
-        walked: impl Fn(&Section) -> Vec2,
+        walked: impl Fn(&CrossSection) -> Vec2,
     ) -> Vec3 {
         let x = k as f32 * self.length;
         let first = (x as usize).min(sections.at.len() - 1);
@@ -118,9 +118,9 @@ impl Strand<'_> {
     fn at(
         &self,
         k: usize,
-        sections: &Sections,
+        sections: &CrossSections,
         root: Vec3,
-        walked: &impl Fn(&Section) -> Vec2,
+        walked: &impl Fn(&CrossSection) -> Vec2,
     ) -> Vec3 {
         if k == 0 {
             return root;

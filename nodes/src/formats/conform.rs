@@ -15,13 +15,13 @@
 use super::repair::{Allowance, Mender, Read};
 use crate::data::attribute_transfer::between;
 use crate::data::attributes::{self as a, Domain};
-use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::eval::Host;
 use crate::maths::catmull_rom_agreement::{AGREE, readings_agree, readings_differ};
 use crate::maths::nearest_on;
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
@@ -272,7 +272,7 @@ pub(crate) fn joins(tuft: &Tuft, i: usize) -> Option<usize> {
     let along = tuft.view(a::ALONG);
     let points = tuft.range(i);
     let root = along.at(i, points.start);
-    if !matches!(along, View::Point(_)) || tuft.view(a::BRAID).at(i, points.start) == 0 {
+    if !matches!(along, AttributeView::Point(_)) || tuft.view(a::BRAID).at(i, points.start) == 0 {
         return None;
     }
     points.into_iter().position(|k| along.at(i, k) > root).map(|k| k - 1)
@@ -347,7 +347,7 @@ fn mend(
     let first = tuft.range(i).start;
     let allowed = tuft.view(a::ALLOW_DEPTH);
     // As the attribute will be read at the new points.
-    let depth = |place: Place| {
+    let depth = |place: SplineParam| {
         let at = |k: usize| allowed.at(i, first + place.span + k);
         at(0) + (at(1) - at(0)) * place.t
     };
@@ -355,7 +355,8 @@ fn mend(
     let joins = joins(tuft, i);
     let is_barred = |read: &Read| {
         let on_way = |last: &usize| {
-            let still = |(_, place): &&(f32, Place)| place.span as f32 + place.t <= *last as f32;
+            let still =
+                |(_, place): &&(f32, SplineParam)| place.span as f32 + place.t <= *last as f32;
             read.stops.iter().take_while(still).count() - 1
         };
         land.is_over_a_parting(&read.points[..joins.as_ref().map_or(read.points.len(), on_way)])

@@ -11,13 +11,13 @@ use super::error::FormatError;
 use super::file_ids::FileIds;
 use super::hair;
 use super::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Skin, Stage, UpAxis, Widths,
+    CurveSet, GroomStage, Interpolation, Primvar, PrimvarValues, Purpose, SkinMesh, UpAxis, Widths,
     write_usda, write_usdc,
 };
 use crate::data::attributes::{
     self as a, Column, ID, Item, PARENT, PARTING, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
-use crate::data::curves::{Curves, Tuft, View};
+use crate::data::curves::{AttributeView, Curves, Tuft};
 use crate::data::scalp::Scalp;
 use crate::maths::hair_colour::{absorption_of, pigment_of};
 use glam::{Vec2, Vec3};
@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// Curves that leave the graph under one name.
 #[derive(Clone, Debug)]
-pub struct Group {
+pub struct ExportGroup {
     /// The group's name.
     pub name: String,
     /// Whether they are guides, which renderers leave out.
@@ -36,7 +36,7 @@ pub struct Group {
     pub curves: Curves,
 }
 
-impl Group {
+impl ExportGroup {
     /// Whether these are lines of partings that go out as guides, for measuring: nothing that hair should follow.
     pub fn is_partings(&self) -> bool {
         let tufts = self.curves.tufts();
@@ -91,7 +91,7 @@ impl Format {
 ///
 /// # Errors
 /// None but those of numbering more curves than there are numbers.
-pub fn numbers(groups: &[Group]) -> Result<Vec<Vec<i32>>, FormatError> {
+pub fn numbers(groups: &[ExportGroup]) -> Result<Vec<Vec<i32>>, FormatError> {
     let ids = FileIds::of(groups, &|| Ok(()))?;
     Ok((0..groups.len()).map(|nth| ids.of_group(nth)).collect())
 }
@@ -103,7 +103,7 @@ pub fn numbers(groups: &[Group]) -> Result<Vec<Vec<i32>>, FormatError> {
 /// The output failed, somebody asked to stop, or the format cannot hold the groom; place and reason say what.
 pub fn write(
     format: Format,
-    groups: &[Group],
+    groups: &[ExportGroup],
     heads: &[Arc<Scalp>],
     about: &About,
     out: &mut (impl Write + Seek),
@@ -115,8 +115,9 @@ pub fn write(
     let places = places(groups);
     // Of all groups, so that every format has the same.
     let ids = FileIds::of(groups, &|| go_on(is_cancelled))?;
-    let is_written = |group: &Group| format != Format::Abc || !is_left_out_of_abc(group, groups);
-    let stage = Stage {
+    let is_written =
+        |group: &ExportGroup| format != Format::Abc || !is_left_out_of_abc(group, groups);
+    let stage = GroomStage {
         name: about.title.clone(),
         doc: format!("{}, made by {}", about.title, about.generator),
         generator: about.generator.clone(),
@@ -179,7 +180,7 @@ pub const ADDED: &[(&str, &str, &str, &str)] = &[
 
 /// The group of hair that curves belong to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct GroomGroup {
     /// From 0.
     pub id: i32,
     /// Its name, without control characters.
@@ -187,7 +188,7 @@ pub struct Place {
 }
 
 /// The group of hair that each belongs to, as [`ADDED`] says. Unreal cannot hold guides without hair.
-pub fn places(groups: &[Group]) -> Vec<Place> {
+pub fn places(groups: &[ExportGroup]) -> Vec<GroomGroup> {
     let is_bald = groups.iter().all(|group| group.guides);
     let mut names: Vec<&str> = vec![];
     for group in groups.iter().filter(|group| is_bald || !group.guides) {
@@ -195,21 +196,26 @@ pub fn places(groups: &[Group]) -> Vec<Place> {
             names.push(&group.name);
         }
     }
-    let place = |group: &Group| {
+    let place = |group: &ExportGroup| {
         let id = names.iter().position(|name| *name == group.name).unwrap_or(0);
-        Place { id: id as i32, name: names[id].replace(char::is_control, "_") }
+        GroomGroup { id: id as i32, name: names[id].replace(char::is_control, "_") }
     };
     groups.iter().map(place).collect()
 }
 
 /// Whether Alembic files leave this one of `groups` out: their readers would take lines of partings for guides. They stay where
 /// there is nothing else.
-pub fn is_left_out_of_abc(group: &Group, groups: &[Group]) -> bool {
-    group.is_partings() && !groups.iter().all(Group::is_partings)
+pub fn is_left_out_of_abc(group: &ExportGroup, groups: &[ExportGroup]) -> bool {
+    group.is_partings() && !groups.iter().all(ExportGroup::is_partings)
 }
 
 /// What is written beside the attributes of a group, but for names that it has attributes of.
-fn added<'c>(curves: &'c Curves, guides: bool, place: &Place, ids: &[i32]) -> Vec<Primvar<'c>> {
+fn added<'c>(
+    curves: &'c Curves,
+    guides: bool,
+    place: &GroomGroup,
+    ids: &[i32],
+) -> Vec<Primvar<'c>> {
     use Interpolation::{Constant, Uniform};
     let int = |value: i32| PrimvarValues::Int(vec![value].into());
     let mut added = vec![
@@ -236,8 +242,8 @@ fn go_on(is_cancelled: &dyn Fn() -> bool) -> Result<(), FormatError> {
 }
 
 fn curve_set<'c>(
-    group: &'c Group,
-    place: &Place,
+    group: &'c ExportGroup,
+    place: &GroomGroup,
     (nth, ids): (usize, &FileIds),
     about: &About,
     is_cancelled: &dyn Fn() -> bool,
@@ -274,9 +280,9 @@ fn curve_set<'c>(
 }
 
 /// The mesh of a head.
-fn skin(head: &Scalp) -> Skin<'_> {
+fn skin(head: &Scalp) -> SkinMesh<'_> {
     let surface = head.surface();
-    Skin {
+    SkinMesh {
         name: "skin".into(),
         points: &surface.points,
         triangles: &surface.triangles,
@@ -383,7 +389,7 @@ fn values<'c, T: Item>(
     let views = || curves.tufts().iter().map(|t| t.view_named::<T>(name));
     let mut shared = views().map(|view| match view {
         None => Some(default),
-        Some(View::Shared(one)) => Some(one),
+        Some(AttributeView::Shared(one)) => Some(one),
         Some(_) => None,
     });
     let first = shared.next().flatten();
@@ -392,14 +398,14 @@ fn values<'c, T: Item>(
     {
         return (Interpolation::Constant, vec![first].into());
     }
-    if views().any(|view| matches!(view, Some(View::Point(_)))) {
+    if views().any(|view| matches!(view, Some(AttributeView::Point(_)))) {
         return (Interpolation::Vertex, spread(curves, name, default));
     }
     let mut chunks = Chunks::new();
     for tuft in curves.tufts() {
         match tuft.view_named::<T>(name) {
-            Some(View::Curve(all)) => chunks.push(all),
-            Some(View::Shared(one)) => chunks.push(vec![one; tuft.len()]),
+            Some(AttributeView::Curve(all)) => chunks.push(all),
+            Some(AttributeView::Shared(one)) => chunks.push(vec![one; tuft.len()]),
             _ => chunks.push(vec![default; tuft.len()]),
         }
     }
@@ -411,9 +417,9 @@ fn spread<'c, T: Item>(curves: &'c Curves, name: &str, default: T) -> Chunks<'c,
     let mut chunks = Chunks::new();
     for tuft in curves.tufts() {
         match tuft.view_named::<T>(name) {
-            Some(View::Point(all)) => chunks.push(all),
-            Some(View::Shared(one)) => chunks.push(vec![one; tuft.points().len()]),
-            Some(View::Curve(all)) => chunks.push(
+            Some(AttributeView::Point(all)) => chunks.push(all),
+            Some(AttributeView::Shared(one)) => chunks.push(vec![one; tuft.points().len()]),
+            Some(AttributeView::Curve(all)) => chunks.push(
                 (0..tuft.len())
                     .flat_map(|i| std::iter::repeat_n(all[i], tuft.range(i).len()))
                     .collect::<Vec<T>>(),
@@ -478,10 +484,14 @@ fn missing<T: Item>(name: &str, like: &Column) -> Option<T> {
     T::values(&a::default_of(name, like))?.first().copied()
 }
 
-fn write_hair(groups: &[Group], about: &About, out: &mut impl Write) -> Result<(), FormatError> {
+fn write_hair(
+    groups: &[ExportGroup],
+    about: &About,
+    out: &mut impl Write,
+) -> Result<(), FormatError> {
     // One set in the format: guides are left out when there is hair, for nothing could tell them apart.
     let hair = groups.iter().filter(|g| !g.guides);
-    let chosen: Vec<&Group> =
+    let chosen: Vec<&ExportGroup> =
         if hair.clone().next().is_some() { hair.collect() } else { groups.iter().collect() };
     let merged =
         Curves::new(chosen.iter().flat_map(|g| g.curves.tufts().iter().cloned()).collect());
@@ -531,8 +541,11 @@ mod tests {
                 b.set_column(a::Attribute { name: (*name).into(), domain, values });
             }
             let curves = Curves::new(vec![Arc::new(b.build())]);
-            let group =
-                |name: &str| Group { name: name.into(), guides: false, curves: curves.clone() };
+            let group = |name: &str| ExportGroup {
+                name: name.into(),
+                guides: false,
+                curves: curves.clone(),
+            };
             let about = About {
                 title: "all".into(),
                 generator: "test".into(),
@@ -566,7 +579,7 @@ mod tests {
         let mut b = TuftBuilder::even((0..6).map(|k| Vec3::Y * k as f32).collect(), 3);
         b.set(ROOT_UV, Domain::Curve, vec![Vec2::X, Vec2::Y]);
         b.set(a::COLOUR, Domain::Curve, vec![Vec3::X]);
-        let group = |b: TuftBuilder| Group {
+        let group = |b: TuftBuilder| ExportGroup {
             name: "a\0b".into(),
             guides: false,
             curves: Curves::new(vec![Arc::new(b.build())]),
@@ -578,7 +591,7 @@ mod tests {
             seed: 0,
             sections: BTreeMap::new(),
         };
-        let written = |format: Format, group: &Group| {
+        let written = |format: Format, group: &ExportGroup| {
             let mut file = std::io::Cursor::new(vec![]);
             write(format, std::slice::from_ref(group), &[], &about, &mut file, &|| false).unwrap();
             let bytes = file.into_inner();

@@ -18,7 +18,7 @@ use crate::data::route::makers::{clear, clear_beyond, lift, way_out};
 use crate::data::route::skin_clear::Torn;
 use crate::data::scalp::Skin;
 use crate::maths::catmull_rom_agreement::{AGREE, each_span, readings_agree, readings_differ};
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
 use std::cell::Cell;
 
@@ -125,7 +125,7 @@ pub(super) struct Read {
     pub(super) left: f32,
     pub(super) points: Vec<Vec3>,
     /// Where they lie on the curve as it was: arc length and place.
-    pub(super) stops: Vec<(f32, Place)>,
+    pub(super) stops: Vec<(f32, SplineParam)>,
     /// How far from there the farthest was moved, cm; nothing where the curve was only resampled.
     pub(super) moved: f32,
     /// Whether the skin moved points of it.
@@ -137,7 +137,7 @@ impl Read {
     pub(super) fn of(points: &[Vec3], left: f32) -> Self {
         let last = points.len() - 1;
         let place =
-            |k: usize| Place { span: k.min(last - 1), t: if k == last { 1.0 } else { 0.0 } };
+            |k: usize| SplineParam { span: k.min(last - 1), t: if k == last { 1.0 } else { 0.0 } };
         let stops = (0..=last).map(|k| (0.0, place(k))).collect();
         Self { left, points: points.to_vec(), stops, moved: 0.0, on_skin: true }
     }
@@ -160,7 +160,7 @@ pub(super) struct Mender<'a> {
     pub(super) led: &'a mut Spline,
     pub(super) skin: Option<&'a Skin<'a>>,
     /// How deep in the skin it may lie at a place, cm.
-    pub(super) depth: &'a dyn Fn(Place) -> f32,
+    pub(super) depth: &'a dyn Fn(SplineParam) -> f32,
     /// Whether it may not be moved to these points.
     pub(super) is_barred: &'a dyn Fn(&Read) -> bool,
     pub(super) patience: &'a Allowance<'a>,
@@ -223,7 +223,7 @@ impl Mender<'_> {
         ((of as f32 * finer) as usize).min((MOST_A_CURVE - 1).max(self.old.len() - 1))
     }
 
-    fn clear(&self, p: Vec3, place: Place) -> Vec3 {
+    fn clear(&self, p: Vec3, place: SplineParam) -> Vec3 {
         let Some(skin) = self.skin else { return p };
         let (out, moved) = lift(skin, p, -(self.depth)(place));
         if moved {
@@ -249,7 +249,7 @@ impl Mender<'_> {
 
     /// The farthest that points lie from where they were.
     fn moved(&self, read: &Read) -> f32 {
-        let far = |(p, stop): (&Vec3, &(f32, Place))| p.distance(self.spline.point(stop.1));
+        let far = |(p, stop): (&Vec3, &(f32, SplineParam))| p.distance(self.spline.point(stop.1));
         read.points.iter().zip(&read.stops).map(far).fold(0.0, f32::max)
     }
 
@@ -302,7 +302,7 @@ impl Mender<'_> {
         }
         let tip = read.points[read.points.len() - 1];
         let was: Vec<f32> = read.stops.iter().map(|(s, _)| *s).collect();
-        let before = |place: Place| {
+        let before = |place: SplineParam| {
             let (a, b) = (was[place.span], was[place.span + 1]);
             a + (b - a) * place.t
         };
@@ -361,13 +361,13 @@ fn alike_chords(
     read: &mut Read,
     patience: &Allowance,
     most_stale: &dyn Fn() -> usize,
-    point: impl Fn(usize, Place) -> Vec3,
+    point: impl Fn(usize, SplineParam) -> Vec3,
 ) -> bool {
     let Read { points, stops, .. } = read;
     let mut chords: Vec<f32> = Vec::with_capacity(last);
     // Places the points at these arc lengths; gives the longest chord over the shortest.
     let sample = |wanted: &[f32],
-                  stops: &mut Vec<(f32, Place)>,
+                  stops: &mut Vec<(f32, SplineParam)>,
                   points: &mut Vec<Vec3>,
                   chords: &mut Vec<f32>|
      -> f32 {

@@ -2,10 +2,10 @@
 //!
 //! Everything is read from curves and their columns, without the graph that made them. How hair joins braids is in `stitches.rs`.
 
-use super::braid_spine::{Spine, View};
-use super::braid_strands::{Braid, Section, braids};
+use super::braid_spine::{BraidView, Spine};
+use super::braid_strands::{SampledBraid, StrandSample, braids};
 use super::braid_words::{Crossing, Word};
-use super::hair::{Column, Hair, quantile};
+use super::hair::{AttributeValues, MeasuredHair, quantile};
 use crate::data::scalp::Scalp;
 use glam::Vec3;
 use std::cmp::Reverse;
@@ -24,7 +24,7 @@ pub struct Braids {
     /// another, and what is drawn together at their ends is left out.
     pub worst_overlap: f32,
     /// Braids of a kind together.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<BraidKind>,
     /// Braids whose crossings are not those of one weave all along.
     pub broken_words: usize,
     /// With a scalp: lowest, middle and highest distance, cm, of the braids' middle lines from the skin.
@@ -36,7 +36,7 @@ pub struct Braids {
 
 /// Braids with the same crossings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kind {
+pub struct BraidKind {
     /// How many.
     pub braids: usize,
     /// Of so many strands each.
@@ -66,7 +66,7 @@ impl Braids {
 }
 
 /// All braids of hair, or of strands that are tubes; none where there are none.
-pub fn measure(hair: &Hair, scalp: Option<&Scalp>) -> Option<Braids> {
+pub fn measure(hair: &MeasuredHair, scalp: Option<&Scalp>) -> Option<Braids> {
     let skin = scalp.map(Scalp::skin);
     let all = braids(hair, skin.as_ref());
     if all.is_empty() {
@@ -95,7 +95,7 @@ pub fn measure(hair: &Hair, scalp: Option<&Scalp>) -> Option<Braids> {
             stitches.sort_unstable();
             let (low, high) = (stitches[0], stitches[stitches.len() - 1]);
             let (braids, middle) = (stitches.len(), stitches[stitches.len() / 2]);
-            Kind { braids, strands, weave, signs, crossing, stitches: [low, middle, high] }
+            BraidKind { braids, strands, weave, signs, crossing, stitches: [low, middle, high] }
         });
     let spread = |values: &dyn Fn(&One) -> Option<Vec<f32>>| {
         let mut all: Vec<f32> = found.iter().filter_map(values).flatten().collect();
@@ -124,14 +124,15 @@ struct One {
 
 impl One {
     fn of(
-        hair: &Hair,
-        braid: &Braid,
+        hair: &MeasuredHair,
+        braid: &SampledBraid,
         scalp: Option<&Scalp>,
-        root_front: Option<&Column<Vec3>>,
+        root_front: Option<&AttributeValues<Vec3>>,
     ) -> Self {
         let spine = Spine::of(braid);
         let told = spine.told(hair, braid, scalp, root_front);
-        let View { sections, woven: (first, last), word } = View::of(&spine, &told, braid);
+        let BraidView { sections, woven: (first, last), word } =
+            BraidView::of(&spine, &told, braid);
         let (mut heights, mut gap) = (None, None);
         if let Some(scalp) = scalp {
             let skin = scalp.skin();
@@ -164,16 +165,16 @@ fn far(scalp: &Scalp, p: Vec3) -> f32 {
 }
 
 /// The largest (r_i + r_j) / distance of samples of different strands.
-fn overlap(braid: &Braid, woven: std::ops::Range<usize>) -> f32 {
+fn overlap(braid: &SampledBraid, woven: std::ops::Range<usize>) -> f32 {
     const BLOCK: usize = 16;
     // The sphere about each block of samples, radii included: blocks that are apart are passed over.
     let blocks: Vec<Vec<(Vec3, f32)>> = braid
         .strands
         .iter()
         .map(|strand| {
-            let around = |block: &[Section]| {
+            let around = |block: &[StrandSample]| {
                 let middle = block.iter().map(|s| s.middle).sum::<Vec3>() / block.len() as f32;
-                let reach = |s: &Section| s.middle.distance(middle) + s.radius;
+                let reach = |s: &StrandSample| s.middle.distance(middle) + s.radius;
                 (middle, block.iter().map(reach).fold(0.0, f32::max))
             };
             strand[woven.clone()].chunks(BLOCK).map(around).collect()
@@ -249,7 +250,7 @@ mod tests {
 
     #[track_caller]
     fn measured(read: &ReadCurves) -> Braids {
-        measure(&Hair::read(read, &PlainHost), None).unwrap()
+        measure(&MeasuredHair::read(read, &PlainHost), None).unwrap()
     }
 
     #[test]

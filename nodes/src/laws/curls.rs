@@ -6,7 +6,7 @@
 //! hair, for which it is asked (a wave's is its height over the root of 2, as methods.md 4 has it); pitch: length of the axis
 //! for a turn; shrinkage: what the axis is shorter than the hair.
 
-use super::hair::{Column, Hair, quantile};
+use super::hair::{AttributeValues, MeasuredHair, quantile};
 use crate::data::attributes::CURL_MIDDLE;
 use crate::maths::frame::carry;
 use crate::maths::spline::Spline;
@@ -38,10 +38,10 @@ pub struct Curls {
 const MOST: usize = 2000;
 
 /// How the curls of hair are, and how they were asked; none where none was asked to curl.
-pub fn measure(hair: &Hair) -> Option<Curls> {
+pub fn measure(hair: &MeasuredHair) -> Option<Curls> {
     let (diameter, pitch) = (hair.numbers("curl_diameter")?, hair.numbers("curl_pitch")?);
     let shrinkage = hair.numbers("shrinkage");
-    let asked = |column: &Column<f32>, i: usize| column.at(i, hair.range(i).start);
+    let asked = |column: &AttributeValues<f32>, i: usize| column.at(i, hair.range(i).start);
     let curled: Vec<usize> = (0..hair.len())
         .filter(|i| {
             hair.curve(*i).len() > 3 && asked(&diameter, *i) > 0.0 && asked(&pitch, *i) > 0.0

@@ -3,13 +3,13 @@
 //! The points of each curve are looked at. Of curves that coif did not write, whose points may be far apart, the way between them is too:
 //! where no point at its ends is too deep, a stretch that is counts as one.
 
-use super::hair::Hair;
+use super::hair::MeasuredHair;
 use crate::data::scalp::{Scalp, Skin};
 use glam::Vec3;
 
 /// How hair lies under the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Depth {
+pub struct SkinDepth {
     /// Points deeper under the skin than their curve allows (and 0.001 cm of rounding).
     pub too_deep: usize,
     /// Curves with such points.
@@ -25,7 +25,7 @@ const MOST_STEPS: usize = 500;
 const ROUNDING: f32 = 1e-3;
 
 /// Looks at every point, and between them where a curve is not as coif writes it.
-pub fn measure(hair: &Hair, scalp: &Scalp) -> Depth {
+pub fn measure(hair: &MeasuredHair, scalp: &Scalp) -> SkinDepth {
     let skin = scalp.skin();
     let allowed = hair.numbers("allow_depth");
     let between = !hair.is_of_coifs_form();
@@ -50,10 +50,10 @@ pub fn measure(hair: &Hair, scalp: &Scalp) -> Depth {
             }
             curves += usize::from(too_deep > before_it);
         }
-        Depth { too_deep, curves, deepest_cm: deepest }
+        SkinDepth { too_deep, curves, deepest_cm: deepest }
     });
-    let none = Depth { too_deep: 0, curves: 0, deepest_cm: 0.0 };
-    parts.into_iter().fold(none, |all, part| Depth {
+    let none = SkinDepth { too_deep: 0, curves: 0, deepest_cm: 0.0 };
+    parts.into_iter().fold(none, |all, part| SkinDepth {
         too_deep: all.too_deep + part.too_deep,
         curves: all.curves + part.curves,
         deepest_cm: all.deepest_cm.max(part.deepest_cm),

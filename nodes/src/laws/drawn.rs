@@ -8,7 +8,7 @@
 
 use super::hair::in_parts;
 use crate::eval::Host;
-use crate::formats::usd::form::{Blend, Form, value};
+use crate::formats::usd::form::{Form, Lerp, value};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ struct Place {
 }
 
 /// The points, curve by curve.
-pub(super) struct Drawn {
+pub(super) struct EvaluatedCurves {
     form: Form,
     offsets: Vec<usize>,
     pub(super) points: Vec<Vec3>,
@@ -38,7 +38,7 @@ pub(super) struct Drawn {
     varying: Vec<usize>,
 }
 
-impl Drawn {
+impl EvaluatedCurves {
     /// Of curves whose points lie at these offsets; none where the points of the file are on the curve, and all there is to it.
     pub(super) fn of(
         form: Form,
@@ -125,13 +125,13 @@ impl Drawn {
     }
 
     /// What `vertex` values are at a point, given those of its curve.
-    pub(super) fn vertex<T: Blend>(&self, of_curve: &[T], point: usize) -> T {
+    pub(super) fn vertex<T: Lerp>(&self, of_curve: &[T], point: usize) -> T {
         let Place { span, t } = self.places[point];
         value(self.form.span(of_curve, span as usize), t)
     }
 
     /// What `varying` values are at a point of curve `curve`.
-    pub(super) fn varying<T: Blend>(&self, values: &[T], curve: usize, point: usize) -> T {
+    pub(super) fn varying<T: Lerp>(&self, values: &[T], curve: usize, point: usize) -> T {
         let Place { span, t } = self.places[point];
         let of_curve = &values[self.varying[curve]..self.varying[curve + 1]];
         let [a, b] = self.form.ends(of_curve, span as usize);

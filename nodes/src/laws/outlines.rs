@@ -9,7 +9,7 @@
 //! coverage that was asked for, 12 degrees less; where none is told, it has to go down to 60 degrees. A puff of too
 //! few hairs is not judged.
 
-use super::hair::Hair;
+use super::hair::MeasuredHair;
 use crate::maths::transcendental::{acos, atan2, sin};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -81,7 +81,7 @@ impl Puffs {
 }
 
 /// The outlines of puffs; none where there are none.
-pub fn measure(hair: &Hair) -> Option<Puffs> {
+pub fn measure(hair: &MeasuredHair) -> Option<Puffs> {
     let puff = hair.whole("puff")?;
     let (centre, radius) = (hair.vectors("puff_centre")?, hair.numbers("puff_radius")?);
     let coverage = hair.numbers("puff_coverage");
@@ -303,7 +303,7 @@ mod tests {
         ];
         primvars.extend(asked.map(|asked| ("puff_coverage", ReadValues::Float(vec![asked]))));
         primvars.extend(edge.map(|edge| ("puff_edge", ReadValues::Float3(vec![edge]))));
-        measure(&Hair::read(&read_of(&hairs, &primvars), &PlainHost)).unwrap()
+        measure(&MeasuredHair::read(&read_of(&hairs, &primvars), &PlainHost)).unwrap()
     }
 
     #[test]

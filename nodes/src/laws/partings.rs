@@ -9,8 +9,8 @@
 //! `along` is told point by point a hair has joined where that begins to grow; the step that leads into its strand is the
 //! braid's, which may be wider than its section.
 
-use super::hair::{Column, Hair, in_parts};
-use super::ties::Held;
+use super::hair::{AttributeValues, MeasuredHair, in_parts};
+use super::ties::TieAttributes;
 use crate::data::curves::Curves;
 use crate::data::scalp::Scalp;
 use crate::data::sections::Sections;
@@ -65,7 +65,7 @@ const CELL: f32 = 0.5;
 
 impl Partings {
     /// The partings among all these curves; none where there are none.
-    pub fn of(all: &[Hair]) -> Option<Self> {
+    pub fn of(all: &[MeasuredHair]) -> Option<Self> {
         let mut pieces = vec![];
         let mut ids = vec![];
         for hair in all {
@@ -141,10 +141,10 @@ impl Partings {
     }
 
     /// How hair keeps to them.
-    pub fn judge(&self, hair: &Hair) -> Parted {
-        let joined = hair.numbers("along").filter(Column::is_of_points);
+    pub fn judge(&self, hair: &MeasuredHair) -> Parted {
+        let joined = hair.numbers("along").filter(AttributeValues::is_of_points);
         let braid = hair.whole("braid");
-        let tied = Held::of(hair);
+        let tied = TieAttributes::of(hair);
         let parts = hair.in_parts(hair.len(), 1000, |part| {
             let (mut crossing, mut rooted_in) = (0, 0);
             for i in part {
@@ -194,7 +194,7 @@ impl Partings {
 }
 
 /// How many steps a hair of a braid takes before the one that leads into its strand, by where it is `along` its braid.
-fn joins(along: &Column<f32>, i: usize, points: Range<usize>) -> usize {
+fn joins(along: &AttributeValues<f32>, i: usize, points: Range<usize>) -> usize {
     let root = along.at(i, points.start);
     // What is no number says nothing of a braid: such a hair is judged to its end.
     let grows = |k: usize| along.at(i, k).partial_cmp(&root) == Some(Ordering::Greater);
@@ -283,8 +283,8 @@ mod tests {
     #[track_caller]
     fn check(hair: &[Vec3], crossing: usize, rooted_in: usize) {
         let (parting, hair) = (parting(), read_of(&[hair], &[]));
-        let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
-        let found = partings.judge(&Hair::read(&hair, &PlainHost));
+        let partings = Partings::of(&[MeasuredHair::read(&parting, &PlainHost)]).unwrap();
+        let found = partings.judge(&MeasuredHair::read(&hair, &PlainHost));
         assert_eq!((found.crossing, found.rooted_in), (crossing, rooted_in));
         assert_eq!((found.partings, found.half_width_cm), (1, [0.1; 2]));
     }
@@ -314,8 +314,8 @@ mod tests {
                     ("along", ReadValues::Float(along.to_vec())),
                 ],
             );
-            let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
-            let found = partings.judge(&Hair::read(&hair, &PlainHost));
+            let partings = Partings::of(&[MeasuredHair::read(&parting, &PlainHost)]).unwrap();
+            let found = partings.judge(&MeasuredHair::read(&hair, &PlainHost));
             assert_eq!(found.crossing, crossing, "{along:?}");
         };
         check([0.0, 0.0, 0.1, 0.2, 0.3], 0);
@@ -340,8 +340,8 @@ mod tests {
                     ("tie_radius", ReadValues::Float(vec![radius])),
                 ],
             );
-            let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
-            let found = partings.judge(&Hair::read(&hair, &PlainHost));
+            let partings = Partings::of(&[MeasuredHair::read(&parting, &PlainHost)]).unwrap();
+            let found = partings.judge(&MeasuredHair::read(&hair, &PlainHost));
             assert_eq!(found.crossing, crossing, "{tie} {radius}");
         };
         let before = Vec3::new(-0.6, 0.4, 4.5);

@@ -1,6 +1,6 @@
 //! How hair joins braids: at which stitches, how many at each, and which at none.
 
-use super::hair::Hair;
+use super::hair::MeasuredHair;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How hair joins braids.
@@ -21,7 +21,7 @@ pub struct Joined {
 }
 
 /// How the hair of braids joins them; none where nothing tells it.
-pub fn measure(hair: &Hair) -> Option<Joined> {
+pub fn measure(hair: &MeasuredHair) -> Option<Joined> {
     let (braid, stitch) = (hair.whole("braid")?, hair.whole("stitch")?);
     let fed = hair.whole("fed").unwrap_or_else(|| vec![0; hair.len()]);
     let mut counts: BTreeMap<(i64, i64), usize> = BTreeMap::new();
@@ -69,7 +69,7 @@ mod tests {
             ("fed", ReadValues::Int(vec![0, 0, 0, 0, 1, 0, 0, 0])),
         ];
         let read = read_of(&[hair; 8], &primvars);
-        let joined = measure(&Hair::read(&read, &PlainHost)).unwrap();
+        let joined = measure(&MeasuredHair::read(&read, &PlainHost)).unwrap();
         assert_eq!((joined.grown, joined.fed, joined.unjoined), (5, 1, 1));
         assert_eq!((joined.stitches, joined.empty_stitches, joined.a_stitch), (3, 1, [1, 1, 3]));
     }

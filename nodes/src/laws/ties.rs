@@ -4,7 +4,7 @@
 //! A hair is held by a tie where the middle and the radius of one are told for it. It passes where its way comes as near as the
 //! radius, and 0.2 cm more: within the band.
 
-use super::hair::{Column, Hair, quantile};
+use super::hair::{AttributeValues, MeasuredHair, quantile};
 use crate::maths::nearest_on;
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -29,8 +29,8 @@ pub struct Ties {
 const LOOSE: f32 = 0.2;
 
 /// How hair passes its ties; none where no tie holds any.
-pub fn measure(hair: &Hair) -> Option<Ties> {
-    let ties = Held::of(hair)?;
+pub fn measure(hair: &MeasuredHair) -> Option<Ties> {
+    let ties = TieAttributes::of(hair)?;
     let held: Vec<usize> = (0..hair.len()).filter(|i| ties.tie(hair, *i).is_some()).collect();
     if held.is_empty() {
         return None;
@@ -61,14 +61,14 @@ pub fn measure(hair: &Hair) -> Option<Ties> {
 }
 
 /// The ties that hold hairs.
-pub(super) struct Held<'a>(Column<'a, Vec3>, Column<'a, f32>);
+pub(super) struct TieAttributes<'a>(AttributeValues<'a, Vec3>, AttributeValues<'a, f32>);
 
-impl<'a> Held<'a> {
-    pub(super) fn of(hair: &'a Hair) -> Option<Self> {
+impl<'a> TieAttributes<'a> {
+    pub(super) fn of(hair: &'a MeasuredHair) -> Option<Self> {
         Some(Self(hair.vectors("tie")?, hair.numbers("tie_radius")?))
     }
     /// Middle and radius of the tie of a hair.
-    fn tie(&self, hair: &Hair, i: usize) -> Option<(Vec3, f32)> {
+    fn tie(&self, hair: &MeasuredHair, i: usize) -> Option<(Vec3, f32)> {
         if hair.curve(i).is_empty() {
             return None;
         }
@@ -78,7 +78,7 @@ impl<'a> Held<'a> {
         (radius > 0.0 && radius < 1e6).then(|| (self.0.at(i, first), radius))
     }
     /// How long a hair is up to the tie that it passes.
-    pub(super) fn until(&self, hair: &Hair, i: usize) -> Option<f32> {
+    pub(super) fn until(&self, hair: &MeasuredHair, i: usize) -> Option<f32> {
         let (middle, radius) = self.tie(hair, i)?;
         let points = hair.curve(i);
         let (far, behind) = passes(points, middle);
@@ -122,7 +122,7 @@ mod tests {
                 ("tie", ReadValues::Float3(vec![middle])),
                 ("tie_radius", ReadValues::Float(radii)),
             ];
-            measure(&Hair::read(&read_of(&curves, &primvars), &PlainHost))
+            measure(&MeasuredHair::read(&read_of(&curves, &primvars), &PlainHost))
         };
         let all = told(vec![1.0], Vec3::Y * -8.0).unwrap();
         assert_eq!((all.ties, all.hairs, all.beside), (1, 4, 2));
@@ -148,9 +148,9 @@ mod tests {
                 ("tie_radius", ReadValues::Float(vec![1.0; 3])),
             ],
         );
-        let hair = Hair::read(&read, &PlainHost);
+        let hair = MeasuredHair::read(&read, &PlainHost);
         assert_eq!(measure(&hair).map(|ties| ties.hairs), Some(1));
-        let held = Held::of(&hair).unwrap();
+        let held = TieAttributes::of(&hair).unwrap();
         assert!(held.until(&hair, 0).is_some() && held.until(&hair, 1).is_none());
     }
 }

@@ -9,12 +9,12 @@ use std::ops::Range;
 
 /// A box along the axes, as its middle and half its sides.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Block {
+pub struct Aabb {
     middle: Vec3,
     half: Vec3,
 }
 
-impl Block {
+impl Aabb {
     /// The box between two corners, a little larger: by more than what tests on it may round off.
     pub fn new(low: Vec3, high: Vec3) -> Self {
         let (middle, half) = (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
@@ -47,7 +47,7 @@ impl Rod {
     /// Whether the line touches the box, grown by the thickness on every side. By separating axes (Ericson, Real-Time
     /// Collision Detection, 5.3.3): no division, so that lines along an axis and without length are nothing special.
     #[inline]
-    pub fn touches(&self, block: &Block) -> bool {
+    pub fn touches(&self, block: &Aabb) -> bool {
         let (t, h) = (block.middle - self.middle, block.half + self.thick);
         let (way, size) = (self.way, self.size);
         t.x.abs() <= h.x + size.x
@@ -72,7 +72,7 @@ pub struct Leaf {
 #[derive(Debug)]
 pub struct BoxTree {
     /// As a heap: the children of `n` are `2 n + 1` and `2 n + 2`.
-    nodes: Vec<Block>,
+    nodes: Vec<Aabb>,
     order: Vec<u32>,
 }
 
@@ -88,7 +88,7 @@ impl BoxTree {
         while boxes.len().div_ceil(parts) > FEW {
             parts *= 2;
         }
-        let mut nodes = vec![Block::default(); 2 * parts - 1];
+        let mut nodes = vec![Aabb::default(); 2 * parts - 1];
         if !boxes.is_empty() {
             build(&mut items, boxes, &mut nodes, 0);
         }
@@ -104,7 +104,7 @@ impl BoxTree {
     }
     /// Puts the leaves that something touches into `found`. `touches` is asked for nodes, by number and box.
     #[inline]
-    pub fn find(&self, touches: impl Fn(usize, &Block) -> bool, found: &mut Vec<Leaf>) {
+    pub fn find(&self, touches: impl Fn(usize, &Aabb) -> bool, found: &mut Vec<Leaf>) {
         found.clear();
         self.walk(touches, |leaf| {
             found.push(leaf);
@@ -113,7 +113,7 @@ impl BoxTree {
     }
     /// Whether there is a leaf that something touches.
     #[inline]
-    pub fn any(&self, touches: impl Fn(usize, &Block) -> bool) -> bool {
+    pub fn any(&self, touches: impl Fn(usize, &Aabb) -> bool) -> bool {
         let mut any = false;
         self.walk(touches, |_| {
             any = true;
@@ -123,7 +123,7 @@ impl BoxTree {
     }
     /// Goes on as long as `each` says so.
     #[inline]
-    fn walk(&self, touches: impl Fn(usize, &Block) -> bool, mut each: impl FnMut(Leaf) -> bool) {
+    fn walk(&self, touches: impl Fn(usize, &Aabb) -> bool, mut each: impl FnMut(Leaf) -> bool) {
         if self.order.is_empty() || !touches(0, &self.nodes[0]) {
             return;
         }
@@ -171,7 +171,7 @@ impl BoxTree {
 fn build(
     items: &mut [(Vec3, u32)],
     boxes: &[(Vec3, Vec3)],
-    nodes: &mut [Block],
+    nodes: &mut [Aabb],
     node: usize,
 ) -> (Vec3, Vec3) {
     let none = (Vec3::MAX, Vec3::MIN);
@@ -193,7 +193,7 @@ fn build(
         let (l, h) = build(right, boxes, nodes, 2 * node + 2);
         (low.min(l), high.max(h))
     };
-    nodes[node] = Block::new(corners.0, corners.1);
+    nodes[node] = Aabb::new(corners.0, corners.1);
     corners
 }
 

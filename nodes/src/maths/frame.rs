@@ -114,7 +114,7 @@ pub fn reflect_twice(normal: Vec3, step: Vec3, from: Vec3, to: Vec3) -> Vec3 {
 }
 
 /// A direction that the normal should turn to, and how strongly (0 to 1).
-pub type Wish = Option<(Vec3, f32)>;
+pub type NormalTarget = Option<(Vec3, f32)>;
 
 /// The most a wished direction turns the normal in one step.
 const RELAX_STEP: f32 = 20.0 / 180.0 * std::f32::consts::PI;
@@ -131,7 +131,7 @@ pub fn frames(
     spline: &Spline,
     us: &[f32],
     start: Option<Vec3>,
-    mut wish: impl FnMut(f32, Vec3, Vec3) -> Wish,
+    mut wish: impl FnMut(f32, Vec3, Vec3) -> NormalTarget,
 ) -> Vec<Frame> {
     let first = spline.locate(0.0);
     let (mut u, mut point, mut tangent) = (0.0, spline.point(first), spline.tangent(first));
@@ -251,7 +251,7 @@ impl SkinUnder {
         (normal.normalize_or_zero(), strength)
     }
     /// The wish of [`frames`].
-    pub fn wish(&self, u: f32) -> Wish {
+    pub fn wish(&self, u: f32) -> NormalTarget {
         let (normal, strength) = self.at(u);
         (normal != Vec3::ZERO && strength > 0.0).then_some((normal, strength))
     }

@@ -1,20 +1,20 @@
 //! The nearest of many points: a tree that is built once and asked often.
 //!
 //! Guarantees: exact; of points equally near the one with the lowest number counts; the same answer on every machine. Who asks for
-//! many points that lie near each other asks for all at once ([`Nearest::find_each`]): what may be nearest to any of them is looked
+//! many points that lie near each other asks for all at once ([`KdTree::find_each`]): what may be nearest to any of them is looked
 //! up in the tree once.
 
 use glam::Vec3;
 
 /// A k-d tree over points: the middle of each part splits it along its longest side.
 #[derive(Debug)]
-pub struct Nearest {
+pub struct KdTree {
     /// Points and their numbers, in the order of the tree.
     points: Vec<(Vec3, u32)>,
     axes: Vec<u8>,
 }
 
-impl Nearest {
+impl KdTree {
     /// The tree of these points; those that are not finite are never found.
     pub fn new(points: impl IntoIterator<Item = Vec3>) -> Self {
         Self::numbered(points.into_iter().zip(0..))
@@ -123,7 +123,7 @@ impl Around {
     }
 }
 
-/// What [`Nearest::find_each`] works with.
+/// What [`KdTree::find_each`] works with.
 #[derive(Default)]
 struct Desk {
     around: Around,
@@ -131,7 +131,7 @@ struct Desk {
     nearest: Vec<(f32, u32)>,
 }
 
-impl Nearest {
+impl KdTree {
     /// What [`Self::find`] finds for each of `askers`, told with their numbers in order. Sooner than one by one where neighbours in
     /// the list lie near each other.
     pub fn find_each(
@@ -258,7 +258,7 @@ mod tests {
         };
         for n in [0, 1, 2, 7, 500] {
             let points: Vec<Vec3> = (0..n).map(|id| at(id).round()).collect();
-            let tree = Nearest::new(points.iter().copied());
+            let tree = KdTree::new(points.iter().copied());
             let mut found = vec![];
             for query in 0..200 {
                 let p = (at(1000 + query) * 2.0).round() * 0.5;
@@ -284,7 +284,7 @@ mod tests {
             [(0, 5.0, 0.0), (3, 5.0, 0.0), (400, 5.0, 0.0), (4000, 9.0, 1e4), (300, 0.0, 1.0)]
         {
             let middle = Vec3::splat(middle);
-            let tree = Nearest::new((0..n).map(|id| middle + (at(id, size) * 2.0).round() * 0.5));
+            let tree = KdTree::new((0..n).map(|id| middle + (at(id, size) * 2.0).round() * 0.5));
             // Beside each other, jumping, far off, and none.
             let mut askers: Vec<Vec3> = vec![];
             for run in 0..20u64 {

@@ -10,7 +10,9 @@
 //! so that editing one row recomputes its own hairs and those of its neighbours. Not promised: that hairs of one row
 //! never overlap, since combed hair does.
 
-use super::parting_hair::{self, Ground, Home, Middle, Reach, Rules, Wish};
+use super::parting_hair::{
+    self, Middle, PartingHairParams, Reach, RowSection, RowTerritory, Rules,
+};
 use crate::data::attributes::{
     ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SECTION, SIDE, WIDTH,
 };
@@ -407,7 +409,7 @@ fn hairs(
             Some(_) => rows,
             None => free.clone(),
         };
-        let ground = Ground {
+        let ground = RowTerritory {
             scalp: rules.scalp,
             left: of_side(&inputs.left, left.iter().filter(shares).collect()),
             right: of_side(&inputs.right, right.iter().filter(shares).collect()),
@@ -421,7 +423,7 @@ fn hairs(
 }
 
 /// The section that most of a row lies in; `None` if hairs may cross, or if nothing is parted.
-fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
+fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<RowSection<'a>> {
     let sections = rules.scalp.sections().filter(|_| !rules.crossing)?;
     let mut votes: BTreeMap<u32, u32> = BTreeMap::new();
     for k in 1..16 {
@@ -429,7 +431,7 @@ fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
         at.into_iter().for_each(|at| *votes.entry(at.section).or_default() += 1);
     }
     let (number, _) = votes.into_iter().rev().max_by_key(|(_, votes)| *votes)?;
-    Some(Home { sections, number })
+    Some(RowSection { sections, number })
 }
 
 /// Hairs under construction.
@@ -495,7 +497,7 @@ fn row_hairs(
     inputs: &Inputs,
     rules: &Rules,
     (tuft, curve): (&Tuft, usize),
-    ground: &Ground,
+    ground: &RowTerritory,
     read: &[&Tuft],
     made: &mut Made,
     piece: &mut Piece,
@@ -526,7 +528,7 @@ fn row_hairs(
         let along = u.clamp(0.0, 1.0);
         let vary = |index: u64| dice.signed(id, index) * inputs.unevenness;
         let angle = (pull.along(tuft, curve, along) + 12.0 * vary(0)).clamp(-80.0, 80.0);
-        let wish = Wish {
+        let wish = PartingHairParams {
             u,
             side,
             mediate: mediate.along(tuft, curve, along) * (1.0 - inputs.jitter * b),
@@ -550,7 +552,7 @@ fn row_hairs(
             let radius = radius_at(end_u);
             let middle = group.and_then(|group| {
                 *middles.entry(group).or_insert_with(|| {
-                    let wish = Wish {
+                    let wish = PartingHairParams {
                         u: end_u,
                         side,
                         mediate: mediate.along(tuft, curve, end_u),
@@ -612,7 +614,7 @@ fn spot(dice: Dice, row: u64, side: i32, i: usize) -> [f32; 2] {
     r2(i as u32, [dice.unit(row, s), dice.unit(row, 2 + s)])
 }
 
-fn gather(inputs: &Inputs, ground: &Ground, a_side: usize, read: &[&Tuft]) -> Option<Gather> {
+fn gather(inputs: &Inputs, ground: &RowTerritory, a_side: usize, read: &[&Tuft]) -> Option<Gather> {
     let row = ground.own;
     let places = match inputs.grouping {
         Grouping::None => return None,

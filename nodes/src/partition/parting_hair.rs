@@ -16,7 +16,7 @@ use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::maths::closest::Hit;
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use crate::maths::transcendental::{sin_cos, tan};
 use crate::scalp::territory::{Row, Station, neighbour};
 use glam::Vec3;
@@ -49,24 +49,24 @@ impl Rules<'_> {
 }
 
 /// A row and what limits its hairs: other rows and, on a parted scalp, their common section.
-pub(crate) struct Ground<'a> {
+pub(crate) struct RowTerritory<'a> {
     pub(crate) scalp: &'a Scalp,
     pub(crate) own: &'a Row,
     pub(crate) left: Vec<&'a Row>,
     pub(crate) right: Vec<&'a Row>,
-    pub(crate) home: Option<Home<'a>>,
+    pub(crate) home: Option<RowSection<'a>>,
     /// The triangle found last: the next one is near it.
     pub(crate) near: Cell<u32>,
 }
 
 /// The section that a row lies in.
 #[derive(Clone, Copy)]
-pub(crate) struct Home<'a> {
+pub(crate) struct RowSection<'a> {
     pub(crate) sections: &'a Sections,
     pub(crate) number: u32,
 }
 
-impl Home<'_> {
+impl RowSection<'_> {
     /// Distance of a point inside the section and off the bare skin of its partings, cm; negative elsewhere.
     fn slack(&self, p: Vec3) -> f32 {
         match self.sections.at(p) {
@@ -78,7 +78,7 @@ impl Home<'_> {
 
 /// Settings of one hair.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wish {
+pub(crate) struct PartingHairParams {
     /// Fraction of the row beside which it is rooted; below 0 is in front of the row.
     pub(crate) u: f32,
     pub(crate) side: i32,
@@ -93,14 +93,14 @@ pub(crate) struct Wish {
 
 /// Where a hair begins and would end by default.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Start {
+pub(crate) struct HairStart {
     pub(crate) root: Root,
     pub(crate) end_u: f32,
     /// How far along the row the end is pulled, as a fraction of its length.
     pulled: f32,
 }
 
-impl Ground<'_> {
+impl RowTerritory<'_> {
     fn beside(&self, side: i32) -> &[&Row] {
         if side < 0 { &self.left } else { &self.right }
     }
@@ -165,7 +165,7 @@ const LOOK: f32 = 0.2;
 
 impl Reach {
     /// Samples a row from `lead` (a fraction of its length) in front of its root to its end.
-    pub(crate) fn new(rules: &Rules, ground: &Ground, lead: f32) -> Self {
+    pub(crate) fn new(rules: &Rules, ground: &RowTerritory, lead: f32) -> Self {
         let n = (ground.own.length() * (1.0 + lead) / LOOK).ceil().clamp(4.0, 1000.0);
         let look = |side: i32| {
             let at = |k: usize| beside(rules, ground, (1.0 + lead) * k as f32 / n - lead, side);
@@ -204,7 +204,7 @@ impl Reach {
 }
 
 /// What lies on one side of a row at `u`; `None` if there is no territory, or none that is the row's own.
-fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
+fn beside(rules: &Rules, ground: &RowTerritory, u: f32, side: i32) -> Option<Beside> {
     let station = Station::new(ground.own, rules.scalp, u);
     let way = station.side(side);
     let rows = ground.beside(side).iter().copied().enumerate();
@@ -252,7 +252,7 @@ fn grows(scalp: &Scalp, root: &Root) -> f32 {
 /// The root at a fraction of the way to what lies beside, and its remaining slack.
 fn place(
     rules: &Rules,
-    ground: &Ground,
+    ground: &RowTerritory,
     station: &Station,
     beside: &Beside,
     t: f32,
@@ -273,7 +273,12 @@ fn place(
 }
 
 /// The root of a hair; `None` if there is no territory on that side, or none that is the row's own.
-pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) -> Option<Start> {
+pub(crate) fn start(
+    rules: &Rules,
+    ground: &RowTerritory,
+    reach: &Reach,
+    wish: &PartingHairParams,
+) -> Option<HairStart> {
     // Among scraps and folds hardly two samples agree: one of them will do.
     let one = || reach.about(wish.u, wish.side).filter(|_| rules.for_hair.is_none());
     let (station, root) = match reach.at(wish.u, wish.side).or_else(one) {
@@ -300,7 +305,7 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
     // The pull is measured from beside the root, not from the slanted line to the neighbour.
     let off = (root.point - station.point).reject_from_normalized(station.along).length();
     let pulled = tan(wish.pull) * off / ground.own.length();
-    Some(Start { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
+    Some(HairStart { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
 }
 
 /// The farthest root with slack, and its fraction of the way, up to `most` (where the slack is `lack`); `None` if the
@@ -338,7 +343,7 @@ const NEAR_ENOUGH: f32 = 0.002;
 
 /// Where hairs end in the braid.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct End {
+pub(crate) struct HairEnd {
     pub(crate) point: Vec3,
     along: Vec3,
     out: Vec3,
@@ -355,7 +360,7 @@ pub(crate) fn end(
     u: f32,
     (side, round): (i32, f32),
     radius: f32,
-) -> End {
+) -> HairEnd {
     let station = Station::new(row, rules.scalp, u);
     let (sin, cos) = sin_cos(round);
     let out = station.side(side) * cos + station.normal * sin;
@@ -363,10 +368,10 @@ pub(crate) fn end(
     let off = (radius - rules.tuck).max(0.0).min(0.6 * start.point.distance(station.point));
     let point = station.point + out * off;
     let point = rules.for_hair.map_or(point, |skin| lift(&skin, point, rules.clear).0);
-    End { point, along: station.along, out, axis: station.point, radius }
+    HairEnd { point, along: station.along, out, axis: station.point, radius }
 }
 
-impl End {
+impl HairEnd {
     /// A point of the group around this end; `spread` holds three numbers in [-1, 1].
     pub(crate) fn within(&self, rules: &Rules, spread: Vec3) -> Vec3 {
         let ball = spread / spread.length().max(1.0) * rules.group_radius;
@@ -384,19 +389,19 @@ impl End {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Middle {
     root: Vec3,
-    pub(crate) end: End,
+    pub(crate) end: HairEnd,
 }
 
 /// The hair without randomness that ends at the fraction `wish.u` of the row; `radius` is the braid's there.
 pub(crate) fn middle(
     rules: &Rules,
-    ground: &Ground,
+    ground: &RowTerritory,
     reach: &Reach,
-    wish: &Wish,
+    wish: &PartingHairParams,
     radius: f32,
 ) -> Option<Middle> {
     let beside = start(rules, ground, reach, wish)?;
-    let before = Wish { u: (wish.u - beside.pulled).max(0.0), ..*wish };
+    let before = PartingHairParams { u: (wish.u - beside.pulled).max(0.0), ..*wish };
     let root = start(rules, ground, reach, &before).unwrap_or(beside).root;
     let end = end(rules, ground.own, &root, wish.u, (wish.side, wish.round), radius);
     Some(Middle { root: root.point, end })
@@ -406,7 +411,7 @@ pub(crate) fn middle(
 /// False if root and end coincide.
 pub(crate) fn way(
     rules: &Rules,
-    ground: &Ground,
+    ground: &RowTerritory,
     root: &Root,
     (end, along): (Vec3, Vec3),
     lift: f32,
@@ -485,7 +490,7 @@ pub(crate) fn way(
         lift_each(&skin, points[1..rules.cvs - 1].iter_mut(), |_| 0.0);
     }
     // A border may protrude between two points that are inside.
-    let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
+    let stays = |home: &RowSection| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
     rules.crossing || ground.home.as_ref().is_none_or(stays)
 }
 
@@ -523,7 +528,7 @@ impl Feeler<'_> {
 }
 
 /// `p`, or a point toward its own row that is at least `slack` closer to it than to any other.
-fn kept_at_home(rules: &Rules, ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
+fn kept_at_home(rules: &Rules, ground: &RowTerritory, p: Vec3, slack: f32) -> Vec3 {
     if ground.is_home(p, slack) {
         return p;
     }
@@ -548,7 +553,7 @@ fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3], near: u32) ->
         // The root stays, so its span moves only with its other end, and is sampled close to the root.
         let at: &[f32] = if span == 0 { &[0.08, 0.2, 0.5] } else { &[0.33, 0.67] };
         for &t in at {
-            let p = spline.point(Place { span, t });
+            let p = spline.point(SplineParam { span, t });
             let wanted = rules.clear * if span == 0 { 0.1 * t } else { 0.1 };
             let low = wanted - feeler.height(p);
             if low > 0.0 {

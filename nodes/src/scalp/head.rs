@@ -6,13 +6,13 @@
 
 use super::axes::{Forward, Up};
 use super::face::{By, FACE};
-use super::find::{self, Found, Pieces, Search};
+use super::find::{self, FoundHead, Pieces, Search};
 use super::fit::{self, Fit};
 use super::parts::{self, Parts};
 use super::{bust, drawn, facing, hollow, landmarks, region};
 use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
-use crate::data::outline::Net;
+use crate::data::outline::ConnectedSurface;
 use crate::data::rough::{Rough, SCRAPS, WIDE};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, HeadSpace, REGION, Scalp};
 use crate::data::strokes::Strokes;
@@ -164,7 +164,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     cx.check()?;
     let (up, found) = match inputs.fit {
         FitBy::Cranium => find_head(cx, &inputs, &points, &triangles, &pieces)?,
-        FitBy::None => (inputs.up, Found::default()),
+        FitBy::None => (inputs.up, FoundHead::default()),
     };
     points.iter_mut().for_each(|p| *p = up.turned(*p));
     let fit = found.fit;
@@ -254,13 +254,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let (mut drawn, mut links) = (vec![], None);
     if inputs.region == Region::Hairline {
-        let wish = drawn::Wish {
+        let wish = drawn::DrawnRegionParams {
             strokes: &inputs.hairline,
             names: &inputs.names,
             softness: inputs.edge * frame.unit(),
             may: grows,
         };
-        let net = Net::new(&surface);
+        let net = ConnectedSurface::new(&surface);
         drawn = drawn::regions(cx, &net, &space, wish)?;
         links = Some(net.links());
         grows = drawn[0].1.values().to_vec();
@@ -314,7 +314,7 @@ fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
 }
 
 /// Reports additional heads.
-fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
+fn tell_others(cx: &EvalCx, found: &FoundHead, pieces: &Pieces, parts: &Parts) {
     let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
     let told = |is: &dyn Fn(u32) -> bool| {
         parts.told_of(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
@@ -394,7 +394,7 @@ fn find_head(
     points: &[Vec3],
     triangles: &[[u32; 3]],
     pieces: &Pieces,
-) -> Result<(Up, Found), NodeError> {
+) -> Result<(Up, FoundHead), NodeError> {
     let mut search = Search::new(points, triangles, pieces);
     let check = || cx.check();
     let tried = search.try_up(inputs.up, &check)?;
@@ -409,10 +409,10 @@ fn find_head(
     let mut promising =
         others.map(|other| search.try_up(other, &check)).collect::<Result<Vec<_>, _>>()?;
     promising.sort_by(|a, b| b.promises().total_cmp(&a.promises()));
-    let (mut best, mut up) = (None::<Found>, inputs.up);
+    let (mut best, mut up) = (None::<FoundHead>, inputs.up);
     for tried in promising.iter().filter(|tried| tried.promises() > 0.0).take(MOST_AXES) {
         let found = search.head(tried, false, &check)?;
-        let before = best.as_ref().map_or(FACE, Found::likeness);
+        let before = best.as_ref().map_or(FACE, FoundHead::likeness);
         if found.is_sure() && found.is_bare() && found.likeness() > before {
             (best, up) = (Some(found), tried.up());
         }
@@ -444,7 +444,7 @@ fn find_head(
          coordinates. If it is an animal or a thing, set fit to none; if it is a person, set up, or name in leave_out what \
          stands on the head"
     ));
-    Ok((inputs.up, Found::default()))
+    Ok((inputs.up, FoundHead::default()))
 }
 
 /// Reports if something on the crown may have disturbed the sphere's fit.
@@ -599,7 +599,7 @@ const SNAP_FARTHEST_DEGREES: f32 = 20.0;
 const INNER_WALL: &str = "inner_wall";
 
 /// Direction of the face: level and unit, Y up.
-fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, NodeError> {
+fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &FoundHead) -> Result<Vec3, NodeError> {
     let Some(axis) = inputs.forward.axis() else { return Ok(looks(cx, up, found)) };
     let axis = up.turned(axis);
     if axis.y != 0.0 {
@@ -613,7 +613,7 @@ fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, 
 }
 
 /// Direction of the detected face.
-fn looks(cx: &EvalCx, up: Up, found: &Found) -> Vec3 {
+fn looks(cx: &EvalCx, up: Up, found: &FoundHead) -> Vec3 {
     let axes = [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::NEG_X];
     let first = Forward::name_of(Vec3::Z, up);
     let Some(face) = found.face else {

@@ -50,7 +50,7 @@ struct Column {
 }
 
 /// What to leave out.
-pub(crate) struct LeftOut {
+pub(crate) struct LeftOutParts {
     /// For each triangle, whether it is left out.
     pub(crate) gone: Vec<bool>,
     /// Names and patterns that match nothing.
@@ -145,7 +145,7 @@ impl Parts {
     }
 
     /// What the comma-separated names and patterns of `text` leave out.
-    pub(crate) fn leave_out(&mut self, text: &str) -> LeftOut {
+    pub(crate) fn leave_out(&mut self, text: &str) -> LeftOutParts {
         let mut unknown = vec![];
         for pattern in text.split(',').map(str::trim).filter(|pattern| !pattern.is_empty()) {
             let matches = self.names.iter().map(|name| is_match(pattern, name));
@@ -166,7 +166,7 @@ impl Parts {
         for column in &mut self.columns {
             keep(&mut column.of, &gone);
         }
-        LeftOut { gone, unknown }
+        LeftOutParts { gone, unknown }
     }
 
     /// Parts that may be hair: those that sound like it, and those that stand over the crown. `over` has one bit for

@@ -6,10 +6,10 @@
 
 use super::seeds::Seeds;
 use crate::data::attributes::{PARENT, SCALP_NORMAL};
-use crate::data::curves::{Tuft, View};
+use crate::data::curves::{AttributeView, Tuft};
 use crate::data::route::hair::Hair;
 use crate::data::scalp::{HeadFrame, Scalp};
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
@@ -37,7 +37,7 @@ fn section(scalp: Option<&Scalp>, root: Vec3) -> Option<u64> {
 
 /// Given curves, as hair finds the nearest of them.
 pub(super) struct Given {
-    tree: Nearest,
+    tree: KdTree,
 }
 
 /// So many of the nearest curves are looked at for one in the section of a hair.
@@ -47,7 +47,7 @@ impl Given {
     /// Curves of one tuft each.
     pub(super) fn new<'a>(tufts: impl Iterator<Item = &'a Tuft>) -> Self {
         let root = |tuft: &Tuft| tuft.points().first().copied().unwrap_or(Vec3::NAN);
-        Self { tree: Nearest::new(tufts.map(root)) }
+        Self { tree: KdTree::new(tufts.map(root)) }
     }
     /// The numbers of those that a tuft's hair may be drawn to, in order.
     pub(super) fn near(&self, tuft: &Tuft) -> Vec<u32> {
@@ -73,7 +73,7 @@ impl Middles {
                 all.push(Middle { way, shift: Vec3::ZERO });
             }
         }
-        let tree = Nearest::new(roots.iter().map(|(root, _)| *root));
+        let tree = KdTree::new(roots.iter().map(|(root, _)| *root));
         let mut found = vec![];
         let mut nearest = |i: usize| {
             let root = *tuft.curve(i).first()?;
@@ -183,9 +183,9 @@ impl Middles {
 /// What an attribute says of each curve, as bits; nothing where it says none: the id of no curve, or a number below zero.
 fn keys<'a>(tuft: &'a Tuft, name: &str) -> Option<impl Fn(usize) -> Option<u64> + 'a> {
     enum Keys<'a> {
-        Id(View<'a, u64>),
-        Whole(View<'a, i32>),
-        Number(View<'a, f32>),
+        Id(AttributeView<'a, u64>),
+        Whole(AttributeView<'a, i32>),
+        Number(AttributeView<'a, f32>),
     }
     let keys = if let Some(view) = tuft.view_named::<u64>(name) {
         Keys::Id(view)
@@ -194,7 +194,7 @@ fn keys<'a>(tuft: &'a Tuft, name: &str) -> Option<impl Fn(usize) -> Option<u64> 
     } else if let Some(view) = tuft.view_named::<f32>(name) {
         Keys::Number(view)
     } else if name == PARENT.name {
-        Keys::Id(View::Shared(PARENT.default))
+        Keys::Id(AttributeView::Shared(PARENT.default))
     } else {
         return None;
     };

@@ -1,12 +1,12 @@
 //! What the documents' room adds to the table of actions.
 
 use crate::core::action::{Action, Can};
-use crate::core::documents::{Event as FileEvent, Purpose};
+use crate::core::documents::{DocumentEvent, Purpose};
 use crate::core::event::Event;
 use crate::editor::Editor;
 use crate::editor::actions::{Own, always};
 
-fn file(event: FileEvent, out: &mut Vec<Event>) {
+fn file(event: DocumentEvent, out: &mut Vec<Event>) {
     out.push(Event::Documents(event));
 }
 
@@ -26,7 +26,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "template preset welcome start create",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Welcome(true), out),
+        run: |_, out| file(DocumentEvent::Welcome(true), out),
     },
     Action {
         id: "file.empty",
@@ -35,7 +35,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "blank scene create bald",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::New(None), out),
+        run: |_, out| file(DocumentEvent::New(None), out),
     },
     Action {
         id: "file.open",
@@ -44,7 +44,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "load read file",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Ask(Purpose::Open), out),
+        run: |_, out| file(DocumentEvent::Ask(Purpose::Open), out),
     },
     Action {
         id: "file.recent",
@@ -53,7 +53,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "last history load",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Welcome(true), out),
+        run: |_, out| file(DocumentEvent::Welcome(true), out),
     },
     Action {
         id: "file.head",
@@ -62,7 +62,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "import mesh scalp character model skull",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Ask(Purpose::Mesh), out),
+        run: |_, out| file(DocumentEvent::Ask(Purpose::Mesh), out),
     },
     Action {
         id: "file.save",
@@ -71,7 +71,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "store write keep",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Save, out),
+        run: |_, out| file(DocumentEvent::Save, out),
     },
     Action {
         id: "file.save_as",
@@ -80,7 +80,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "store write copy rename",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Ask(Purpose::Save), out),
+        run: |_, out| file(DocumentEvent::Ask(Purpose::Save), out),
     },
     Action {
         id: "file.export",
@@ -89,7 +89,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "usd write houdini maya blender unreal curves alembic output",
         menu: "File",
         when: |editor| editor.can_export(),
-        run: |_, out| file(FileEvent::Ask(Purpose::Export), out),
+        run: |_, out| file(DocumentEvent::Ask(Purpose::Export), out),
     },
     Action {
         id: "file.picture",
@@ -98,7 +98,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "render image still screenshot png exr",
         menu: "File",
         when: |editor| editor.can_export(),
-        run: |_, out| file(FileEvent::Ask(Purpose::Picture), out),
+        run: |_, out| file(DocumentEvent::Ask(Purpose::Picture), out),
     },
     Action {
         id: "file.stop_export",
@@ -107,7 +107,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "cancel abort",
         menu: "",
         when: |editor| editor.exports(),
-        run: |_, out| file(FileEvent::StopExport, out),
+        run: |_, out| file(DocumentEvent::StopExport, out),
     },
     Action {
         id: "compare.file",
@@ -116,7 +116,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "diff difference versions two side by side review",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Ask(Purpose::Compare), out),
+        run: |_, out| file(DocumentEvent::Ask(Purpose::Compare), out),
     },
     Action {
         id: "compare.saved",
@@ -128,7 +128,7 @@ pub(crate) const ACTIONS: &[Own] = &[
             Some(_) => Ok(()),
             None => Err("this groom has no file yet"),
         },
-        run: |_, out| file(FileEvent::CompareWithSaved, out),
+        run: |_, out| file(DocumentEvent::CompareWithSaved, out),
     },
     Action {
         id: "compare.flip",
@@ -137,7 +137,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "compare toggle swap a b wipe other",
         menu: "View",
         when: compares,
-        run: |_, out| file(FileEvent::Flip, out),
+        run: |_, out| file(DocumentEvent::Flip, out),
     },
     Action {
         id: "compare.end",
@@ -146,7 +146,7 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "diff close stop",
         menu: "File",
         when: compares,
-        run: |_, out| file(FileEvent::EndCompare, out),
+        run: |_, out| file(DocumentEvent::EndCompare, out),
     },
     Action {
         id: "file.close",
@@ -155,6 +155,6 @@ pub(crate) const ACTIONS: &[Own] = &[
         words: "quit exit end leave",
         menu: "File",
         when: always,
-        run: |_, out| file(FileEvent::Close, out),
+        run: |_, out| file(DocumentEvent::Close, out),
     },
 ];

@@ -26,7 +26,7 @@ mod tests;
 mod watch;
 mod welcome;
 
-use crate::core::documents::{Disk, Event, HeadChoice, Left, Unsaved};
+use crate::core::documents::{Disk, DocumentEvent, HeadChoice, Left, Unsaved};
 use crate::core::settings::Settings;
 use crate::places::Places;
 use browser::Browser;

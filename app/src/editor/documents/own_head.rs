@@ -4,7 +4,7 @@
 //! was done in between. What the head node finds (sphere, axes, units, hairline) is told in its own words.
 
 use super::life::head_of;
-use crate::core::documents::{Event as FileEvent, HeadChoice, Placing};
+use crate::core::documents::{DocumentEvent, HeadChoice, Placing};
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::state::{Select, State};
@@ -282,7 +282,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
     if choice.is_none() && (placing != head.placing || drags != state.gesture) {
         choice = Some(HeadChoice::Try(placing, drags));
     }
-    out.extend(choice.map(|choice| Event::Documents(FileEvent::Head(choice))));
+    out.extend(choice.map(|choice| Event::Documents(DocumentEvent::Head(choice))));
 }
 
 /// A tick for each part of the mesh. What looks like hair stands first and says so; nothing is ticked by itself.

@@ -3,7 +3,7 @@
 use super::{Canvas, Clipboard};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
-use crate::core::faces::arrange::Line;
+use crate::core::faces::arrange::Alignment;
 use crate::core::state::State;
 use coif_graphs::document::{Node, NodeId};
 use egui::{Vec2, vec2};
@@ -282,7 +282,7 @@ const NODES: [Of<Canvas>; 31] = [
         "Brings the selected nodes to the left edge of the outermost.",
         "arrange column",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Left)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Left)),
     ),
     node(
         "canvas.align_right",
@@ -290,7 +290,7 @@ const NODES: [Of<Canvas>; 31] = [
         "Brings the selected nodes to the right edge of the outermost.",
         "arrange column",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Right)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Right)),
     ),
     node(
         "canvas.align_top",
@@ -298,7 +298,7 @@ const NODES: [Of<Canvas>; 31] = [
         "Brings the selected nodes to the upper edge of the topmost.",
         "arrange row",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Top)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Top)),
     ),
     node(
         "canvas.align_bottom",
@@ -306,7 +306,7 @@ const NODES: [Of<Canvas>; 31] = [
         "Brings the selected nodes to the lower edge of the lowest.",
         "arrange row",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Bottom)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Bottom)),
     ),
     node(
         "canvas.distribute",

@@ -17,7 +17,7 @@ use egui::{
 
 /// The names that there are to choose from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Known {
+pub(crate) struct FieldNames {
     /// Attributes that are numbers.
     pub(crate) attributes: Vec<String>,
     /// Masks of the heads.
@@ -31,7 +31,7 @@ pub(crate) struct FieldEditor<'a> {
     /// Unit and range of its numbers.
     pub(crate) scale: &'a Scale,
     /// Names to choose from.
-    pub(crate) known: &'a Known,
+    pub(crate) known: &'a FieldNames,
 }
 
 /// Where a number can come from, in the menu's order: name and explanation.
@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn switching_the_source_keeps_what_the_other_can_say() {
         let scale = Scale::new(Unit::Length, Some((0.0, 4.0)), None, false);
-        let known = Known { attributes: vec!["radius".into()], masks: vec!["fringe".into()] };
+        let known = FieldNames { attributes: vec!["radius".into()], masks: vec!["fringe".into()] };
         let editor = FieldEditor { name: "x", scale: &scale, known: &known };
         let number = Field::Constant(2.5);
         let ramp = editor.switched(&number, 1);
@@ -299,7 +299,7 @@ mod tests {
         assert_eq!(editor.switched(&product, 3), Field::Mask("fringe".into()));
         assert_eq!(editor.switched(&product, 0), Field::Constant(1.0));
         assert_eq!(editor.switched(&Field::Attribute("radius".into()), 0), Field::Constant(1.0));
-        let nothing = Known::default();
+        let nothing = FieldNames::default();
         let editor = FieldEditor { known: &nothing, ..editor };
         assert_eq!(editor.switched(&number, 2), Field::Attribute(String::new()));
     }

@@ -34,10 +34,10 @@ use coif_nodes::data::attributes::{Column, DECLARED};
 use coif_nodes::declared;
 use coif_nodes::define::{Group, InputDef, NodeDef, NodeError, Type};
 use egui::{Color32, Label, RichText, ScrollArea, TextEdit, Ui};
-use field::Known;
+use field::FieldNames;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
-use target::{Gesture, Target};
+use target::{DragState, EditTarget};
 
 /// With fewer inputs a filter is more than there is to filter.
 const FILTERED_FROM: usize = 6;
@@ -45,7 +45,7 @@ const FILTERED_FROM: usize = 6;
 /// What the inspector remembers between frames.
 #[derive(Default)]
 pub(crate) struct Inspector {
-    gesture: Gesture,
+    gesture: DragState,
     filter: String,
     /// Groups that somebody has opened or closed, in whichever node.
     groups: BTreeMap<Group, bool>,
@@ -55,7 +55,7 @@ pub(crate) struct Inspector {
     /// What is wrong with the document, as of a number of changes.
     problems: Option<(u64, Vec<Problem>)>,
     /// Names to choose from, as of an evaluation.
-    known: Known,
+    known: FieldNames,
     known_of: Weak<Shown>,
     /// Whether all that is said of the node is listed, not its worst alone.
     says_all: bool,
@@ -129,13 +129,13 @@ impl Inspector {
             set_name(ui, &filter, "Filter inputs");
         }
         let Self { gesture, said, known, filter, groups, .. } = self;
-        let mut target = Target { state, nodes: &nodes, out, gesture, said };
+        let mut target = EditTarget { state, nodes: &nodes, out, gesture, said };
         let wired = |input: &&InputDef| matches!(input.ty, Type::Curves | Type::Scalp);
         let asked = |input: &&'static InputDef| matches(input, filter);
         let width = ui.available_width();
         let (wires, set): (Vec<&'static InputDef>, Vec<&'static InputDef>) =
             def.inputs.iter().filter(asked).partition(wired);
-        let row = |ui: &mut Ui, target: &mut Target, input: &'static InputDef| {
+        let row = |ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef| {
             ui.push_id(input.name, |ui| row::show(ui, target, input, known, width));
         };
         wires.iter().for_each(|input| row(ui, &mut target, input));
@@ -337,7 +337,7 @@ fn alike(state: &State, active: &NodeId, kind: &str, def: Option<&'static NodeDe
 /// The line over a group of inputs, which opens and closes it. Closed, it says what it holds.
 fn heading(
     ui: &mut Ui,
-    target: &Target,
+    target: &EditTarget,
     group: Group,
     inputs: &[&'static InputDef],
     open: bool,
@@ -369,7 +369,7 @@ fn matches(input: &InputDef, filter: &str) -> bool {
 }
 
 /// Names of attributes and masks that fields can ask for.
-fn names(shown: Option<&Shown>) -> Known {
+fn names(shown: Option<&Shown>) -> FieldNames {
     let number = |ty: &str| ty == "f32" || ty == "i32";
     let declared = DECLARED.iter().filter(|(_, ty, _)| number(ty)).map(|(name, ..)| *name);
     let mut attributes: BTreeSet<String> = declared.map(str::to_owned).collect();
@@ -383,7 +383,7 @@ fn names(shown: Option<&Shown>) -> Known {
         }
         masks.extend(shown.scalps.iter().flat_map(|scalp| scalp.mask_names()));
     }
-    Known { attributes: attributes.into_iter().collect(), masks: masks.into_iter().collect() }
+    FieldNames { attributes: attributes.into_iter().collect(), masks: masks.into_iter().collect() }
 }
 
 /// Name, kind, bypass and note.

@@ -4,7 +4,7 @@
 //! asked for or it is closed, and says when the groom has changed since.
 
 use crate::core::event::Event;
-use crate::core::made::Made;
+use crate::core::made::HairTrace;
 use crate::core::room::Room;
 use crate::core::state::{Select, State};
 use coif_graphs::trace::{Found, Part, Traced};
@@ -17,12 +17,12 @@ struct Row<'a> {
     tip: &'static str,
 }
 
-fn rows(made: &Made) -> Vec<Row<'_>> {
+fn rows(made: &HairTrace) -> Vec<Row<'_>> {
     let found = made.traced.iter().flat_map(|traced| &traced.found);
     found.map(|found| row(made, found)).collect()
 }
 
-fn row<'a>(made: &'a Made, Found { part, alone }: &'a Found) -> Row<'a> {
+fn row<'a>(made: &'a HairTrace, Found { part, alone }: &'a Found) -> Row<'a> {
     let name = made.document.name_of(part.node());
     let text = match part {
         Part::Node(_) => name.into_owned(),

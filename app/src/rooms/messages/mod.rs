@@ -8,7 +8,7 @@
 
 mod made;
 
-use crate::core::action::Table;
+use crate::core::action::ActionLookup;
 use crate::core::documents;
 use crate::core::event::Event;
 use crate::core::notes::{Gravity, Note};
@@ -269,7 +269,7 @@ impl Messages {
     }
 }
 
-fn row(message: &Message, table: Table, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+fn row(message: &Message, table: ActionLookup, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     ui.horizontal_top(|ui| {
         message.gravity.mark(ui);
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
@@ -343,7 +343,7 @@ fn missing(node: &NodeId, input: &str, ui: &mut egui::Ui, out: &mut Vec<Event>) 
         out.push(Event::Edit(Edit::UnsetInput { node: node.clone(), input: input.to_owned() }));
     }
     if ui.small_button("Find…").on_hover_text("Asks where the file is now").clicked() {
-        out.push(Event::Documents(documents::Event::Find(node.clone(), input.to_owned())));
+        out.push(Event::Documents(documents::DocumentEvent::Find(node.clone(), input.to_owned())));
     }
 }
 
@@ -437,8 +437,8 @@ mod tests {
         let path = folder.path("merged.ron");
         std::fs::write(&path, coif_graphs::file::write(&merged)).unwrap();
         let mut ui = on("start", vec![]);
-        let open = documents::Event::Open(path.clone());
-        ui.state_mut().apply(Event::Documents(documents::Event::New(None)));
+        let open = documents::DocumentEvent::Open(path.clone());
+        ui.state_mut().apply(Event::Documents(documents::DocumentEvent::New(None)));
         ui.state_mut().apply(Event::Documents(open));
         ui.run_steps(3);
         let said = ui.state().state.notes.all().last().unwrap().text.clone();
@@ -461,7 +461,7 @@ mod tests {
         ui.run_steps(2);
         assert_eq!(left(&ui), Vec::<String>::new());
         assert_eq!(ui.state().state.history.done(), 2);
-        ui.state_mut().apply(Event::Documents(documents::Event::Save));
+        ui.state_mut().apply(Event::Documents(documents::DocumentEvent::Save));
         ui.run_steps(2);
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(!text.contains(coif_graphs::file::CONFLICT), "{text}");

@@ -1,6 +1,6 @@
 //! Eyes, locks and isolating: what of a row's hair is seen, and kept from the pen. View state, never a part of a groom.
 
-use super::tree::Row;
+use super::tree::TreeRow;
 use crate::core::event::Event;
 use crate::core::state::State;
 use crate::core::visibility::Visibility;
@@ -83,7 +83,7 @@ impl Eye {
 pub(super) fn eye_buttons(
     state: &State,
     ui: &Ui,
-    row: &Row,
+    row: &TreeRow,
     id: egui::Id,
     line: Rect,
     out: &mut Vec<Event>,

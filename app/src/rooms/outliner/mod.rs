@@ -30,12 +30,12 @@ use egui::{
 use eyes::{EYES, eye_buttons, toggled};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
-use tree::{BESIDE, Groups, Item, Row, Tree, groups, kin, outputs};
+use tree::{BESIDE, Groups, Item, Tree, TreeRow, groups, kin, outputs};
 
 /// What the outliner remembers between frames.
 #[derive(Default)]
 pub(crate) struct Outliner {
-    rows: Vec<Row>,
+    rows: Vec<TreeRow>,
     /// As of which changes and evaluation the rows were made; none: make them anew.
     made: Option<(u64, Weak<Shown>)>,
     groups: BTreeMap<NodeId, Groups>,
@@ -310,7 +310,7 @@ impl Outliner {
     }
 
     /// What the right button offers on a row.
-    fn menu(&mut self, state: &State, ui: &mut Ui, row: &Row, out: &mut Vec<Event>) {
+    fn menu(&mut self, state: &State, ui: &mut Ui, row: &TreeRow, out: &mut Vec<Event>) {
         let entry = |ui: &mut Ui, can: bool, text: &str, tip: &str| {
             let button = ui.add_enabled(can, egui::Button::new(text));
             let clicked = button.on_hover_text(tip).on_disabled_hover_text(tip).clicked();
@@ -366,7 +366,7 @@ impl Outliner {
         }
     }
 
-    fn renaming_here(&self, row: &Row) -> bool {
+    fn renaming_here(&self, row: &TreeRow) -> bool {
         let Item::Node(node) = &row.item else { return false };
         self.renaming.as_ref().is_some_and(|(under, of)| *under == row.under && of == node)
     }

@@ -1,6 +1,6 @@
 //! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
 
-use super::{Pen, PenTool, Picked, recipes, target};
+use super::{Pen, PenTool, StrokeSelection, recipes, target};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::notes::Note;
@@ -62,7 +62,11 @@ macro_rules! recipe {
 }
 
 /// A change of a setting of the pen.
-fn set(state: &State, out: &mut Vec<Event>, change: impl FnOnce(&mut crate::core::pen::Settings)) {
+fn set(
+    state: &State,
+    out: &mut Vec<Event>,
+    change: impl FnOnce(&mut crate::core::pen::PenSettings),
+) {
     let mut settings: Settings = state.settings.clone();
     change(&mut settings.pen);
     out.push(Event::Settings(settings.into()));
@@ -399,7 +403,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
 ];
 
 fn anything_picked(pen: &Pen, _: &State) -> Can {
-    match pen.picked == Picked::default() {
+    match pen.picked == StrokeSelection::default() {
         true => Err("pick strokes first: with \"Edit points\", click one"),
         false => Ok(()),
     }
@@ -544,7 +548,7 @@ fn pick_all(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
     let Some((node, _)) = at(state) else { return };
     let strokes = target::strokes(&state.document, &node);
     let strokes = strokes.0.iter().map(|stroke| stroke.id).collect();
-    pen.picked = Picked { strokes, ..Picked::default() };
+    pen.picked = StrokeSelection { strokes, ..StrokeSelection::default() };
 }
 
 fn grow(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
@@ -623,7 +627,7 @@ fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
     let mut two = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id));
     let (Some(first), Some(second)) = (two.next(), two.next()) else { return };
     let (stroke, id) = (whole::joined(first, second), second.id);
-    pen.picked = Picked { strokes: [stroke.id].into(), ..Picked::default() };
+    pen.picked = StrokeSelection { strokes: [stroke.id].into(), ..StrokeSelection::default() };
     let input = input.to_owned();
     let edits = vec![
         Edit::RemoveStroke { node: node.clone(), input: input.clone(), id },

@@ -3,7 +3,7 @@
 use super::{HAIR_TOOLS, Pen, PenTool, edits, recipes, target};
 use crate::core::action::Of;
 use crate::core::event::Event;
-use crate::core::pen::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
+use crate::core::pen::{Along, Curve, Feel, MOUSE, PenSettings, TOUCH};
 use crate::core::state::State;
 use crate::widgets::panel;
 use crate::widgets::theme;
@@ -120,7 +120,7 @@ impl Pen {
     }
 
     /// What the tool in hand needs.
-    fn tool_settings(&mut self, settings: &mut Settings, ui: &mut Ui) {
+    fn tool_settings(&mut self, settings: &mut PenSettings, ui: &mut Ui) {
         let number = |ui: &mut Ui, value: &mut f32, range, unit: &str, name: &str, tip: &str| {
             let drag = egui::DragValue::new(value).range(range).speed(0.02).suffix(unit);
             ui.add(drag.prefix(format!("{name} "))).on_hover_text(tip);
@@ -162,7 +162,7 @@ impl Pen {
     }
 
     /// What a tool on hair needs: how deep it reaches, its brush, the colour of what it plants.
-    fn hair_settings(&mut self, tool: Option<Tool>, settings: &mut Settings, ui: &mut Ui) {
+    fn hair_settings(&mut self, tool: Option<Tool>, settings: &mut PenSettings, ui: &mut Ui) {
         let levels = [
             (Layer::Nearest, "1", "Level 1: the cluster nearest to the eye."),
             (Layer::Through, "2", "Level 2: all hair down to the head."),

@@ -8,7 +8,7 @@ use crate::library;
 use coif_graphs::document::edit::{Edit, between};
 use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups};
 use coif_graphs::grooms;
-use coif_graphs::template::{self, Place};
+use coif_graphs::template::{self, Placement};
 use coif_nodes::define::Value;
 use std::sync::Arc;
 
@@ -158,7 +158,7 @@ pub(crate) const ALL: [Recipe; 14] = [
 ];
 
 /// A recipe as it is put into a document.
-pub(crate) struct Made {
+pub(crate) struct RecipeEdits {
     /// The node that the pen draws into; where it draws nothing, the one to be selected.
     pub(crate) node: NodeId,
     /// All of it.
@@ -181,7 +181,7 @@ impl Recipe {
         document: &Document,
         strokes: Option<&NodeId>,
         mirror: bool,
-    ) -> Result<Made, String> {
+    ) -> Result<RecipeEdits, String> {
         let found = grooms::TEMPLATES.iter().find(|(name, _)| *name == self.template);
         let (_, text) = found.ok_or("it does not come with this version")?;
         let template = library::shipped(text)?.document;
@@ -189,7 +189,8 @@ impl Recipe {
         // Where it stands in its own file, until all of it is moved.
         let at = template::group_of(&template)?;
         let at = Some(template.layout.get(at).copied().unwrap_or_default());
-        let added = template::add(document, &template, Place { drawn, at, ..Place::default() })?;
+        let added =
+            template::add(document, &template, Placement { drawn, at, ..Placement::default() })?;
         let mut grouped = document.clone();
         added.edit.apply(&mut grouped).map_err(|err| err.to_string())?;
         let (mut plain, _) = groups::ungroup(&grouped, &added.id)?;
@@ -225,7 +226,7 @@ impl Recipe {
         let rest = document.nodes.values().any(|node| node.kind == "groom_output");
         let show = (!rest).then_some(hair);
         plain.display = None;
-        Ok(Made { node, edits: vec![between(document, &plain), Edit::SetDisplay(show)] })
+        Ok(RecipeEdits { node, edits: vec![between(document, &plain), Edit::SetDisplay(show)] })
     }
 }
 
@@ -290,7 +291,7 @@ mod tests {
         for recipe in &ALL {
             let text = grooms::TEMPLATES.iter().find(|(name, _)| *name == recipe.template);
             let template = library::shipped(text.unwrap().1).unwrap().document;
-            let added = template::add(&head(), &template, Place::default()).unwrap();
+            let added = template::add(&head(), &template, Placement::default()).unwrap();
             assert_eq!(added.draws.is_some(), recipe.is_drawn(), "{}", recipe.label);
         }
     }

@@ -20,7 +20,7 @@ use crate::widgets::theme;
 use crate::words::grouped;
 use coif_nodes::data::curves::Curves;
 use egui::{ScrollArea, TextEdit, Ui};
-use order::{Answer, Orders, Wish};
+use order::{Orders, RowOrder, RowQuery};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use table::{Column, Domain, Table};
@@ -53,7 +53,7 @@ pub(crate) struct Spreadsheet {
     only_selected: bool,
     statistics: bool,
     orders: Orders,
-    answer: Option<Arc<Answer>>,
+    answer: Option<Arc<RowOrder>>,
     /// The first visible row, with its fraction.
     top: f64,
     /// The row that keys move from.
@@ -121,8 +121,8 @@ impl Spreadsheet {
     }
 
     /// What is wanted of the order of rows.
-    fn wish(&self, state: &State) -> Wish {
-        Wish {
+    fn wish(&self, state: &State) -> RowQuery {
+        RowQuery {
             sort: self.sort.clone(),
             filter: self.filter.trim().to_owned(),
             only: self.only_selected.then(|| state.selection.curves.clone()),

@@ -287,7 +287,7 @@ impl Pen {
     /// The row of the bar with the tools that paint, and what they need.
     pub(super) fn mask_bar(
         &mut self,
-        settings: &mut crate::core::pen::Settings,
+        settings: &mut crate::core::pen::PenSettings,
         ui: &mut Ui,
         out: &mut Vec<Event>,
     ) {

@@ -39,7 +39,7 @@ struct Drag {
 
 /// The landmarks of the active head.
 #[derive(Default)]
-pub(super) struct Marks {
+pub(super) struct LandmarkHandles {
     drag: Option<Drag>,
 }
 
@@ -87,7 +87,7 @@ impl<'a> Head<'a> {
     }
 }
 
-impl Marks {
+impl LandmarkHandles {
     /// Whether one is being dragged.
     pub(super) fn is_dragging(&self) -> bool {
         self.drag.is_some()
