@@ -188,7 +188,7 @@ pub struct Upgrade {
     /// The edit that does it.
     pub edit: Edit,
     /// Every override, in the order of their names.
-    pub told: Vec<OverrideOutcome>,
+    pub overrides: Vec<OverrideOutcome>,
     /// The instance was changed inside: that is lost.
     pub changed_inside: bool,
 }
@@ -343,7 +343,7 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
         after.display.filter(|shown| !inside.contains(shown) || after.nodes.contains_key(shown));
     after.settle();
     let changed_inside = !is_as_made(document, id, origin);
-    Ok(Upgrade { edit: between(document, &after), told, changed_inside })
+    Ok(Upgrade { edit: between(document, &after), overrides: told, changed_inside })
 }
 
 /// Puts a value on its port, as far as it fits.

@@ -52,7 +52,7 @@ impl Part {
     }
 
     /// What it is in a document, in words: "node", "stroke 7, the 3rd of 14", "gesture 5 (comb), the 1st of 2".
-    pub fn told(&self, document: &Document) -> String {
+    pub fn describe(&self, document: &Document) -> String {
         let Part::Drawn { node, input, id } = self else { return "node".to_owned() };
         let value = document.node(node.as_str()).and_then(|node| node.inputs.get(input));
         let Some(Setting::Known(value)) = value else { return format!("{input} {id}") };

@@ -904,7 +904,7 @@ impl OutputDef {
 
 impl NodeDef {
     /// Its id in a sentence: "a braid", "an interpolate".
-    pub fn told(&self) -> String {
+    pub fn with_article(&self) -> String {
         let article = if self.id.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         format!("{article} {}", self.id)
     }

@@ -56,7 +56,7 @@ pub(super) fn pack(args: &PackArgs) -> Exit {
         let graph = graph_of(&args.graph).map_err(|stop| vec![stop])?;
         let (original, folder) = (graph.loaded.document.clone(), graph.folder.clone());
         let gathered = gather::gather(graph, args.collect);
-        let Gathered { items, document, told } =
+        let Gathered { items, document, notes: told } =
             gathered.map_err(|lines| vec![Stop(Exit::Refused, lines)])?;
         let mut manifest = Manifest::of(&items, &document);
         manifest
@@ -77,7 +77,7 @@ pub(super) fn pack(args: &PackArgs) -> Exit {
 
 /// Says what a pack holds.
 fn tell(manifest: &Manifest) {
-    for line in manifest.told() {
+    for line in manifest.lines() {
         // That nobody reads it ends nothing.
         let _ = print_plain(&line);
     }

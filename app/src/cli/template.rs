@@ -534,7 +534,7 @@ fn upgrade(args: &UpgradeArgs) -> Exit {
             if done.changed_inside {
                 told.push(format!("{id}: changes inside: lost"));
             }
-            told.extend(done.told.iter().map(|told| format!("{id}: {told}")));
+            told.extend(done.overrides.iter().map(|told| format!("{id}: {told}")));
             done.edit.apply(document).map_err(|err| err.to_string())?;
         }
         Ok(told)

@@ -165,7 +165,7 @@ pub(crate) struct Offer {
     /// As of so many changes of the document.
     pub(crate) of: u64,
     /// What becomes of every value and wire on it.
-    pub(crate) told: Vec<OverrideOutcome>,
+    pub(crate) overrides: Vec<OverrideOutcome>,
     /// What is in it was changed since it was made: that would go.
     pub(crate) changed_inside: bool,
 }

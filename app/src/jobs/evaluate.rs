@@ -371,7 +371,7 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Outpu
             match def.output(&socket.name) {
                 None => Err(fault(format!(
                     "{} has no such output; it gives {}",
-                    def.told(),
+                    def.with_article(),
                     known.join(", ")
                 ))),
                 Some((_, out)) if out.ty != Type::Curves => {

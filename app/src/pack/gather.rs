@@ -50,7 +50,7 @@ pub(crate) struct Gathered {
     pub(crate) items: Vec<PackFile>,
     pub(crate) document: Document,
     /// What was changed or left out, a line each.
-    pub(crate) told: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 /// The largest file that is taken for one that says a licence, and the most of them beside a file.
@@ -114,7 +114,7 @@ pub(crate) fn gather(graph: Graph, collect: bool) -> Result<Gathered, Vec<String
     let rest = std::mem::take(&mut bag.found);
     let told = std::mem::take(&mut bag.told);
     let items = items(std::iter::once((name, first)).chain(rest))?;
-    Ok(Gathered { items, document, told: told.into_iter().collect() })
+    Ok(Gathered { items, document, notes: told.into_iter().collect() })
 }
 
 /// The templates that a graph has instances of.

@@ -129,7 +129,7 @@ impl Manifest {
     }
 
     /// What it holds, a line each, for a person.
-    pub(crate) fn told(&self) -> Vec<String> {
+    pub(crate) fn lines(&self) -> Vec<String> {
         // On one line, whatever a manifest says.
         let line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
         let licence = |licence: &str, author: &str| match (&*line(licence), &*line(author)) {

@@ -121,13 +121,13 @@ fn exactly(said: &Said) -> String {
 }
 
 /// What a conflict tells of what theirs says of a fact.
-pub(super) fn as_told(fact: &Fact, said: Option<&Said>) -> String {
+pub(super) fn text_of_theirs(fact: &Fact, said: Option<&Said>) -> String {
     let text = said.map_or_else(|| fact.unsaid().to_owned(), exactly);
     one_line(&cut(&text, MOST_OF_THEIRS))
 }
 
 /// The same of ours.
-pub(super) fn told_of_ours(fact: &Fact, said: Option<&Said>) -> String {
+pub(super) fn text_of_ours(fact: &Fact, said: Option<&Said>) -> String {
     let text = said.map_or_else(|| fact.unsaid().to_owned(), exactly);
     one_line(&cut(&text, MOST_OF_OTHERS))
 }

@@ -140,11 +140,11 @@ pub struct ChangeLine {
 /// All that changed from `a` to `b`, a line each, as a groomer says it: the document's own, then node by node, then what stands
 /// beside. Where things stand on the canvas is told in numbers, and only where `all` is asked for.
 pub fn lines(a: &Document, b: &Document, all: bool) -> Vec<String> {
-    told(a, b, &diff(a, b), all).into_iter().map(|line| line.text).collect()
+    change_lines(a, b, &diff(a, b), all).into_iter().map(|line| line.text).collect()
 }
 
 /// The same of changes that are known, each with the node that it is about.
-pub fn told(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<ChangeLine> {
+pub fn change_lines(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<ChangeLine> {
     let telling = Telling { a, b };
     let of_none = |text: String| ChangeLine { node: None, text };
     let mut of_node = BTreeMap::<&NodeId, Vec<&Change>>::new();

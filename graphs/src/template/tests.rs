@@ -176,7 +176,7 @@ fn upgraded(change: &dyn Fn(&mut Vec<Port>)) -> (Document, Vec<String>) {
     assert_eq!(document, before);
     let origin = after.node("row").unwrap().template.clone().unwrap();
     assert_eq!((origin.version.as_str(), &origin.hash), ("1.1", &hash(&after, &row)));
-    (after, done.told.iter().map(OverrideOutcome::to_string).collect())
+    (after, done.overrides.iter().map(OverrideOutcome::to_string).collect())
 }
 
 #[test]

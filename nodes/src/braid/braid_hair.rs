@@ -4,7 +4,7 @@
 //! it joins. From there this node continues it: into the outermost strand at that stitch, through the braid inside the
 //! strand's tube, to the tie and the end tuft. The tables of a braid are in `tube.rs`.
 //!
-//! The path of a hair is in `hair_path.rs`, its random deviation in `wander.rs`.
+//! The path of a hair is in `hair_path.rs`, its random deviation in `deviation.rs`.
 //!
 //! Guarantees: every hair is independent, so that more hairs change none; each stores its braid, strand and stitch,
 //! where it joins, and the direction of the braid's front there. Not promised: hairs clear of each other.
@@ -171,7 +171,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         RootStart::Knotless => None,
     };
     let (turns, height) = (inputs.band_turns, inputs.band_height);
-    let band = Band::asked(turns, height, inputs.band_tightness);
+    let band = Band::new(turns, height, inputs.band_tightness);
     let strands_of = |row: u64| -> Option<usize> {
         let tufts = by_row.get(&row)?;
         tufts.iter().map(|n| *n as usize).find(|n| *n < of_strands)
@@ -214,7 +214,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         placed.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
             let filler = Filler {
                 inputs: &inputs,
-                leader: HairTracer::new(&manner, scalp, for_hair.as_ref()),
+                tracer: HairTracer::new(&manner, scalp, for_hair.as_ref()),
             };
             filler.fill(tuft, &of_row, piece)
         })?;
@@ -310,7 +310,7 @@ fn stitches_of(tuft: &Tuft, row: u64) -> Vec<Stitch> {
 
 struct Filler<'a> {
     inputs: &'a Inputs,
-    leader: HairTracer<'a>,
+    tracer: HairTracer<'a>,
 }
 
 /// Hairs under construction.
@@ -342,7 +342,7 @@ impl Filler<'_> {
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
         let mut made = [Made::default(), Made::default()];
-        let dice = self.leader.manner.dice;
+        let dice = self.tracer.manner.dice;
         let mut points = vec![];
         for i in 0..tuft.len() {
             piece.tick()?;
@@ -367,7 +367,7 @@ impl Filler<'_> {
                     .clamp(1e-4, 1.0),
                 length: fibre.at(i, first),
             };
-            let front = match self.leader.lead(braid, way, &entry, &wish) {
+            let front = match self.tracer.trace(braid, way, &entry, &wish) {
                 Ok(front) => front,
                 Err(why) => {
                     piece.trouble(tuft.id(i), why);
@@ -376,9 +376,9 @@ impl Filler<'_> {
             };
             let made = &mut made[usize::from(is_fed)];
             points.clear();
-            points.extend(self.leader.beads.iter().map(|bead| bead.p));
+            points.extend(self.tracer.beads.iter().map(|bead| bead.p));
             made.hair.push_curve(&points);
-            made.along.extend(self.leader.beads.iter().map(|bead| bead.along));
+            made.along.extend(self.tracer.beads.iter().map(|bead| bead.along));
             made.fronts.push(front);
             made.pick.push(i as u32);
             made.ids.push(id);
@@ -401,7 +401,7 @@ impl Filler<'_> {
         side: i32,
         fed: bool,
     ) -> Entry {
-        let dice = self.leader.manner.dice;
+        let dice = self.tracer.manner.dice;
         let (sin, cos) = sin_cos_turns(dice.unit(id, 0));
         let q = Vec2::new(cos, sin);
         let stitch =

@@ -371,7 +371,7 @@ impl Maker<'_> {
     }
     /// Distance from the front of its row to the start of a braid, cm.
     fn start(&self, lane: &Lane) -> f32 {
-        self.inputs.start.min(0.5 * lane.leads.min(lane.row.length()))
+        self.inputs.start.min(0.5 * lane.scalp_length.min(lane.row.length()))
     }
     /// The braided part of a row's source.
     fn behind_start<'s>(&self, lane: &Lane, source: &'s Spline) -> Behind<'s> {
@@ -483,9 +483,9 @@ impl Maker<'_> {
         let is_own = |p: &Vec3| {
             self.ground.owner(self.scalp, *p, |_| true).is_none_or(|owner| owner.lane == lane)
         };
-        if self.detour.lead(way, Towards::Top) && !way.iter().all(is_own) {
+        if self.detour.reroute(way, Towards::Top) && !way.iter().all(is_own) {
             way.copy_from_slice(&before);
-            self.detour.lead(way, Towards::Crown);
+            self.detour.reroute(way, Towards::Crown);
         }
     }
     fn id(&self, lane: &Lane, place: &Place) -> u64 {

@@ -31,7 +31,7 @@ pub(crate) struct Lane {
     /// The section that it is the centre of; `None`: whatever is nearest to it.
     pub(crate) section: Option<u64>,
     /// Length over the scalp from its root, cm: 0 for a row that stands up from the head.
-    pub(crate) leads: f32,
+    pub(crate) scalp_length: f32,
     /// Tangent and scalp normal at even positions of the row.
     ways: Vec<(Vec3, Vec3)>,
     /// The same positions.
@@ -75,21 +75,21 @@ impl Lane {
             points.truncate(last.map_or(points.len(), |last| (last + 1).max(3)));
         }
         let row = Row::new(id, &points).ok()?;
-        let (mut root, mut leads) = (None, 0.0f32);
+        let (mut root, mut scalp_length) = (None, 0.0f32);
         let mut way = |k: usize| {
             let place = row.spline.locate(k as f32 / (WAYS - 1) as f32);
             let (p, along) = (row.spline.point(place), row.spline.tangent(place));
             let foot = scalp.closest_root(p);
             let normal = foot.map_or(Vec3::Y, |foot| foot.normal);
             let foot = foot.map_or(p, |foot| foot.point);
-            leads = leads.max(foot.distance(*root.get_or_insert(foot)));
+            scalp_length = scalp_length.max(foot.distance(*root.get_or_insert(foot)));
             // A row that leaves the scalp straight up has no direction on it; any will do.
             let along = across(along, normal).unwrap_or_else(|| any_normal(normal));
             (along, normal)
         };
         let ways = (0..WAYS).map(&mut way).collect();
         let points = (0..WAYS).map(|k| row.spline.at(k as f32 / (WAYS - 1) as f32)).collect();
-        Some(Self { id, row, length, section, leads, ways, points })
+        Some(Self { id, row, length, section, scalp_length, ways, points })
     }
     /// Even positions of the row.
     pub(crate) fn points(&self) -> &[Vec3] {

@@ -277,7 +277,7 @@ impl BraidShape<'_> {
         });
         let frames =
             frame::frames(source, &us, self.start, |u, _, _| match (self.facing, &under) {
-                (Facing::Skin, Some(under)) => under.wish(u),
+                (Facing::Skin, Some(under)) => under.normal_target(u),
                 (Facing::Axis(axis), _) => Some((axis, 1.0)),
                 _ => None,
             });

@@ -25,7 +25,7 @@ use crate::define::{Colour, FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
-use crate::maths::random_walk::wander;
+use crate::maths::random_walk::random_walk;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -144,7 +144,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         seed: inputs.seed,
         scalp,
         skin,
-        shape: ClusterShape::asked(&inputs, cx.dice(inputs.seed, "shape")),
+        shape: ClusterShape::from_inputs(&inputs, cx.dice(inputs.seed, "shape")),
     };
     // How many strands a cluster of a density and radius (cm) asks for.
     let strands_in = |density: f32, radius: f32| match inputs.count {
@@ -286,7 +286,7 @@ struct Filler<'a> {
 
 impl ClusterShape {
     /// The shape that inputs ask for.
-    fn asked(inputs: &Inputs, dice: Dice) -> Option<Self> {
+    fn from_inputs(inputs: &Inputs, dice: Dice) -> Option<Self> {
         let shape = ClusterShape {
             wisps: inputs.wisps as usize,
             root_clump: inputs.root_clump,
@@ -351,7 +351,7 @@ impl Filler<'_> {
             }
             let first = points.len();
             points.push(root);
-            wander(self.walk, id, q, &sections.steps, &mut walk);
+            random_walk(self.walk, id, q, &sections.steps, &mut walk);
             let walked = |section: &CrossSection| {
                 let [a, b, c] = section.weights;
                 match walk.get(section.knot..section.knot + 3) {

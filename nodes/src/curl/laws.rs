@@ -451,7 +451,7 @@ fn evaluated_hairs_measure_what_was_asked_of_them() {
             assert!((shrunk - (1.0 - span / fibre)).abs() < 0.05, "{preset}: {shrunk}");
         }
         let found = measured(&curves);
-        let [wide, far, _] = found.are_as_asked(within);
+        let [wide, far, _] = found.are_as_requested(within);
         assert!(wide && far, "{preset} {length} {set:?}: {found:?}");
     };
     let float = |name, x| [(name, Value::Float(x))];

@@ -108,12 +108,12 @@ pub(crate) struct TurnFactors {
     pub(super) size: f32,
     pub(super) pitch: f32,
     /// Mean size of all turns, including skipped ones, as a fraction of the requested size.
-    pub(super) told: f32,
+    pub(super) mean_size: f32,
 }
 
 impl Default for TurnFactors {
     fn default() -> Self {
-        Self { size: 1.0, pitch: 1.0, told: 1.0 }
+        Self { size: 1.0, pitch: 1.0, mean_size: 1.0 }
     }
 }
 
@@ -188,7 +188,7 @@ impl Pattern {
         let even = TurnFactors {
             size: (1.0 + SMALL[0] * fourth(size)) / square.sqrt(),
             pitch: gone * swings / (longer * passed),
-            told: (1.0 - skipped * (1.0 - SKIPPED * SKIPPED)).sqrt(),
+            mean_size: (1.0 - skipped * (1.0 - SKIPPED * SKIPPED)).sqrt(),
         };
         Self { even, ..self }
     }

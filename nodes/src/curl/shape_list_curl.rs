@@ -533,8 +533,8 @@ fn curl(
         let length = arc_length(&winder.points);
         fibres.push(length);
         shrinkages.push((1.0 - winder.span / length).max(0.0));
-        diameters.push(winder.asked.diameter);
-        pitches.push(winder.asked.pitch);
+        diameters.push(winder.params.diameter);
+        pitches.push(winder.params.pitch);
         if by_points {
             // What lies past the source reads the source's end.
             let end = points.len() as u32 - 1;

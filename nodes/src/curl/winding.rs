@@ -67,7 +67,7 @@ pub(crate) struct Sizes<D, P, A> {
 impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
     /// The requested values of a curl with this start: RMS diameter over its middle part, and pitch by number of turns,
     /// where they vary along the hair.
-    fn asked(&self, start: CurlVariation) -> CurlParams {
+    fn params(&self, start: CurlVariation) -> CurlParams {
         let (mut square, mut turns) = (0.0, 0.0);
         let [from, to] = CURL_MIDDLE;
         for k in 0..8 {
@@ -171,7 +171,7 @@ pub(crate) struct Winder {
     amounts: Vec<f32>,
     amount: f32,
     /// Requested values of the last drawn curl.
-    pub(crate) asked: CurlParams,
+    pub(crate) params: CurlParams,
     /// Straight length at the root of this curl, cm, if it exceeds the pattern's.
     pub(crate) held: f32,
     /// How much larger than requested the curl is, in diameter and pitch; it never decreases by itself.
@@ -263,9 +263,9 @@ impl Winder {
         self.laid.clear();
         let least_pitch = length / MOST_TURNS;
         let even = pattern.even;
-        self.asked = sizes.asked(start);
-        let full = self.asked.larger(self.larger);
-        self.asked.diameter *= even.told;
+        self.params = sizes.params(start);
+        let full = self.params.larger(self.larger);
+        self.params.diameter *= even.mean_size;
         // From here on, everything drawn is larger; the requested values stay.
         (start.size, start.pitch) = (start.size * self.larger, start.pitch * self.larger);
         self.set_amounts(sizes);

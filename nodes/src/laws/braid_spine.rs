@@ -102,7 +102,7 @@ impl Spine {
 
     /// What tells the front, zero where nothing does: the hair; else the skin where the braid begins, or the normal of
     /// the scalp at its roots.
-    pub(super) fn told(
+    pub(super) fn front_cues(
         &self,
         hair: &MeasuredHair,
         braid: &SampledBraid,

@@ -130,7 +130,7 @@ impl One {
         root_front: Option<&AttributeValues<Vec3>>,
     ) -> Self {
         let spine = Spine::of(braid);
-        let told = spine.told(hair, braid, scalp, root_front);
+        let told = spine.front_cues(hair, braid, scalp, root_front);
         let BraidView { sections, woven: (first, last), word } =
             BraidView::of(&spine, &told, braid);
         let (mut heights, mut gap) = (None, None);

@@ -90,7 +90,7 @@ impl Curls {
         self.measured >= JUDGED.min(self.curled) && self.measured > 0
     }
     /// Whether the middle of diameters, of pitches and of shrinkages is within `share` of what was asked.
-    pub fn are_as_asked(&self, share: f32) -> [bool; 3] {
+    pub fn are_as_requested(&self, share: f32) -> [bool; 3] {
         let near = |ratio: [f32; 3]| (ratio[1] - 1.0).abs() <= share;
         let shrinkage = self.shrinkage_ratio.is_none_or(near);
         [near(self.diameter_ratio), near(self.pitch_ratio), shrinkage]

@@ -30,7 +30,7 @@ pub struct Puffs {
     /// what was asked, or has the least.
     pub coverage: f32,
     /// What was asked of that puff; none where nothing tells it.
-    pub asked: Option<f32>,
+    pub requested: Option<f32>,
     /// How ragged it was asked to be; all 0 where nothing tells it.
     pub edge: Edge,
     /// Hairs in the mean in a cell within the coverage: the puff with the fewest.
@@ -76,7 +76,7 @@ impl Puffs {
     }
     /// Whether each puff goes down as far as was asked.
     pub fn are_covered(&self) -> bool {
-        self.coverage >= self.asked.map_or(LEAST, |asked| asked - LACKS)
+        self.coverage >= self.requested.map_or(LEAST, |asked| asked - LACKS)
     }
 }
 
@@ -98,7 +98,7 @@ pub fn measure(hair: &MeasuredHair) -> Option<Puffs> {
         fewest: members.values().map(Vec::len).min().unwrap_or(0),
         radius_cm: [f32::MAX, 0.0],
         coverage: 180.0,
-        asked: None,
+        requested: None,
         edge: Edge::default(),
         a_cell: f32::MAX,
         within: 1.0,
@@ -128,8 +128,8 @@ pub fn measure(hair: &MeasuredHair) -> Option<Puffs> {
         let asked =
             coverage.as_ref().map(|asked| asked.at(hairs[0], first)).filter(|asked| *asked > 0.0);
         let lacks = |asked: Option<f32>, found: f32| asked.unwrap_or(LEAST + LACKS) - found;
-        if k == 0 || lacks(asked, outline.coverage) > lacks(out.asked, out.coverage) {
-            (out.asked, out.coverage, out.edge) = (asked, outline.coverage, edge);
+        if k == 0 || lacks(asked, outline.coverage) > lacks(out.requested, out.coverage) {
+            (out.requested, out.coverage, out.edge) = (asked, outline.coverage, edge);
         }
         out.a_cell = out.a_cell.min(outline.a_cell);
         out.over = out.over.max(outline.over);
@@ -325,7 +325,12 @@ mod tests {
     fn an_outline_is_judged_against_the_coverage_that_was_asked() {
         for (asked, covered) in [(Some(120.0), true), (Some(160.0), false), (None, true)] {
             let found = judged(1, asked);
-            assert_eq!((found.asked, found.are_covered()), (asked, covered), "{}", found.coverage);
+            assert_eq!(
+                (found.requested, found.are_covered()),
+                (asked, covered),
+                "{}",
+                found.coverage
+            );
         }
     }
 

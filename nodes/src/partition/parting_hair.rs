@@ -54,7 +54,7 @@ pub(crate) struct RowTerritory<'a> {
     pub(crate) own: &'a Row,
     pub(crate) left: Vec<&'a Row>,
     pub(crate) right: Vec<&'a Row>,
-    pub(crate) home: Option<RowSection<'a>>,
+    pub(crate) section: Option<RowSection<'a>>,
     /// The triangle found last: the next one is near it.
     pub(crate) near: Cell<u32>,
 }
@@ -114,12 +114,12 @@ impl RowTerritory<'_> {
     }
     /// Twice the distance of `p` from the border of its territory, or less: it may move by half of that without leaving.
     fn margin(&self, p: Vec3) -> f32 {
-        let section = self.home.as_ref().map_or(f32::MAX, |home| 2.0 * home.slack(p).max(0.0));
+        let section = self.section.as_ref().map_or(f32::MAX, |home| 2.0 * home.slack(p).max(0.0));
         section.min(self.ahead(p))
     }
     /// Whether `p` is in its own section, and closer to its own row than to any other by `slack`.
-    fn is_home(&self, p: Vec3, slack: f32) -> bool {
-        if self.home.as_ref().is_some_and(|home| home.slack(p) < 0.0) {
+    fn is_in_section(&self, p: Vec3, slack: f32) -> bool {
+        if self.section.as_ref().is_some_and(|home| home.slack(p) < 0.0) {
             return false;
         }
         let limit = self.to_own(p) + slack;
@@ -210,7 +210,7 @@ fn beside(rules: &Rules, ground: &RowTerritory, u: f32, side: i32) -> Option<Bes
     let rows = ground.beside(side).iter().copied().enumerate();
     let met = neighbour(&station, side, rows, rules.reach);
     let met = met.map(|(who, q)| (q - station.point, true, who));
-    let (to, shared, who) = if let Some(home) = &ground.home {
+    let (to, shared, who) = if let Some(home) = &ground.section {
         // The border of the section takes the place of the parting halfway to a neighbour.
         let inside = |d: &f32| {
             let root = ground.root(rules, station.point + way * *d);
@@ -260,7 +260,7 @@ fn place(
     let root = ground.root(rules, station.point + beside.to * t)?;
     let slack = if rules.crossing {
         f32::MAX
-    } else if let Some(home) = &ground.home {
+    } else if let Some(home) = &ground.section {
         home.slack(root.point).min(ground.ahead(root.point) - rules.parting)
     } else if beside.shared {
         ground.ahead(root.point) - rules.parting
@@ -460,7 +460,7 @@ pub(crate) fn way(
         let height = lift * 4.0 * s * (1.0 - s) + end_height * s * s;
         let height = height.max(rules.clear * (s * 8.0).min(1.0));
         if !rules.crossing && 2.0 * p.distance(known) > sure {
-            p = kept_at_home(rules, ground, p, 0.25 * rules.parting);
+            p = kept_in_section(rules, ground, p, 0.25 * rules.parting);
             (known, sure) = (p, (ground.margin(p) - 0.25 * rules.parting).min(SURE));
         }
         points.push(match lies {
@@ -491,7 +491,7 @@ pub(crate) fn way(
     }
     // A border may protrude between two points that are inside.
     let stays = |home: &RowSection| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
-    rules.crossing || ground.home.as_ref().is_none_or(stays)
+    rules.crossing || ground.section.as_ref().is_none_or(stays)
 }
 
 /// A point within half of this (cm) of one that is inside is inside as well: over the scalp and past an ear, distances
@@ -528,15 +528,15 @@ impl Feeler<'_> {
 }
 
 /// `p`, or a point toward its own row that is at least `slack` closer to it than to any other.
-fn kept_at_home(rules: &Rules, ground: &RowTerritory, p: Vec3, slack: f32) -> Vec3 {
-    if ground.is_home(p, slack) {
+fn kept_in_section(rules: &Rules, ground: &RowTerritory, p: Vec3, slack: f32) -> Vec3 {
+    if ground.is_in_section(p, slack) {
         return p;
     }
     let home = ground.own.nearest(p).0;
     let (mut out, mut back) = (0.0, 1.0);
     for _ in 0..rules.rounds(8) {
         let middle = 0.5 * (out + back);
-        if ground.is_home(p.lerp(home, middle), slack) { back = middle } else { out = middle }
+        if ground.is_in_section(p.lerp(home, middle), slack) { back = middle } else { out = middle }
     }
     p.lerp(home, back)
 }

@@ -188,7 +188,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         .map(|place| place.section);
     let rows = match &inputs.between {
         _ if !is_on_map => Curves::default(),
-        Some(rows) => maker.known_rows(cx, &sections, rows)?,
+        Some(rows) => maker.drawn_rows(cx, &sections, rows)?,
         None => maker.rows(cx, &sections, &middles, tied)?,
     };
     let middles = maker.middles(&sections);

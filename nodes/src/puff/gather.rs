@@ -638,7 +638,7 @@ impl Gatherer<'_> {
             let way = (root.lerp(to, t) - middle).normalize_or(root - middle);
             *p = middle + way * (near + (far - near) * t);
         }
-        self.detour.lead(&mut hair[..=past], Towards::Top);
+        self.detour.reroute(&mut hair[..=past], Towards::Top);
         lift_each(&self.skin, &mut hair[1..past], |_| 0.0);
     }
 

@@ -120,7 +120,7 @@ fn the_fill_covers_the_sphere() {
         let found = outlines::measure(&MeasuredHair::of(hair, &PlainHost)).unwrap();
         println!("{what}: {found:?}");
         // Rings whose far border lies 5 degrees or more inside what was asked.
-        assert!(found.can_be_judged() && found.asked == Some(140.0), "{what}: {found:?}");
+        assert!(found.can_be_judged() && found.requested == Some(140.0), "{what}: {found:?}");
         assert!(found.are_clean() && found.coverage > 135.0, "{what}: {found:?}");
     }
 }

@@ -206,7 +206,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         // Drawn outlines and neighbouring puffs are read as well.
         let key =
             [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
-        let key = puff.walls.iter().map(Wall::told).fold(key, |key, (v, at)| key.vec3(v).float(at));
+        let key =
+            puff.walls.iter().map(Wall::key_parts).fold(key, |key, (v, at)| key.vec3(v).float(at));
         key.int((i % pieces) as u64).finish()
     };
     let name = if inputs.fill == Fill::Count { "count" } else { "hairs" };

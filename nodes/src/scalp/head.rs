@@ -246,7 +246,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let own = own_region(&masks).map(Vec::as_slice);
         guessed = landmarks::guessed(&surface, &frame, own, &ears);
     }
-    let landmarks = landmarks::known(cx, &surface, &frame, guessed, &inputs.landmarks);
+    let landmarks = landmarks::resolve(cx, &surface, &frame, guessed, &inputs.landmarks);
     let space = HeadSpace::new(frame, landmarks::carry(cx, &inputs.home, &landmarks));
     let mut grows = grows(cx, &inputs, (&surface, &frame), fit.is_some().then_some(&ears), &masks)?;
     if let Some(wall) = masks.get(INNER_WALL) {
@@ -317,7 +317,7 @@ fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
 fn tell_others(cx: &EvalCx, found: &FoundHead, pieces: &Pieces, parts: &Parts) {
     let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
     let told = |is: &dyn Fn(u32) -> bool| {
-        parts.told_of(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
+        parts.listed_mostly_in(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
     };
     let (this, others) = (told(&|of| of == piece), told(&|of| found.others.contains(&of)));
     let many = if found.others.len() == 1 { "another head" } else { "other heads" };
@@ -341,7 +341,7 @@ fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: 
     };
     turned.iter_mut().for_each(|turned| *turned ^= inside_out);
     let (count, all) = (turned.iter().filter(|turned| **turned).count(), turned.len());
-    let of = match parts.told_of(&turned) {
+    let of = match parts.listed_mostly_in(&turned) {
         names if names.is_empty() => String::new(),
         names => format!(", those of {names}"),
     };
@@ -360,7 +360,7 @@ fn leave_out(
 ) -> Result<Option<Vec<u32>>, NodeError> {
     let left_out = parts.leave_out(&inputs.leave_out);
     if !left_out.unknown.is_empty() {
-        let (unknown, told) = (parts::told(&left_out.unknown), parts.told());
+        let (unknown, told) = (parts::listed(&left_out.unknown), parts.listed());
         cx.warn(match told.is_empty() {
             true => format!("leave_out: {unknown} matches nothing: the mesh has no parts"),
             false => format!("leave_out: {unknown} matches nothing; the mesh has the parts {told}"),
@@ -374,7 +374,7 @@ fn leave_out(
         return Err(NodeError::BadValue {
             input: "leave_out",
             value: format!("{:?}", short(&inputs.leave_out)),
-            reason: format!("leaves nothing of the mesh; its parts are {}", parts.told()),
+            reason: format!("leaves nothing of the mesh; its parts are {}", parts.listed()),
         });
     }
     cx.remark(format!("left out: {count} of {} triangles", mesh.triangles.len()));
@@ -450,7 +450,7 @@ fn find_head(
 /// Reports if something on the crown may have disturbed the sphere's fit.
 fn doubt(cx: &EvalCx, fit: Option<&Fit>, parts: &Parts) {
     let Some(fit) = fit.filter(|fit| !fit.is_bare()) else { return };
-    let told = parts.told();
+    let told = parts.listed();
     let parts = match told.is_empty() {
         true => "the mesh has no parts that could be left out".to_owned(),
         false => format!("leave it out (leave_out; the parts are {told})"),

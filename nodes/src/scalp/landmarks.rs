@@ -50,7 +50,7 @@ const RECESS: f32 = 0.6;
 const MISSES: f32 = 0.5;
 
 /// The landmarks of a head: those `stated` as text, projected onto the skin, and `guessed` ones for the others.
-pub(super) fn known(
+pub(super) fn resolve(
     cx: &EvalCx,
     surface: &Surface,
     frame: &HeadFrame,

@@ -10,7 +10,7 @@ use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::EvalCx;
-use crate::maths::random_walk::{smooth, wander};
+use crate::maths::random_walk::{random_walk, smooth};
 use glam::Vec2;
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             steps.clear();
             steps.resize(spans as usize + 1, inputs.kink);
             walk.resize(steps.len() + 2, Vec2::ZERO);
-            wander(walk_dice, id, Vec2::ZERO, &steps, &mut walk);
+            random_walk(walk_dice, id, Vec2::ZERO, &steps, &mut walk);
             hair.frames(&mut frames);
             for (k, p) in new.iter_mut().enumerate().skip(1) {
                 let (knot, [a, b, c]) = smooth((hair.come(k) / step).min(spans));

@@ -68,7 +68,7 @@ impl Fit {
     }
 
     /// For a person.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn report(&self) -> String {
         let mut text = format!("landmarks: {}\n", self.landmarks);
         let [low, middle, high] = self.stretch;
         let _ = writeln!(

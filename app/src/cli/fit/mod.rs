@@ -282,6 +282,6 @@ fn rebase(document: &mut Document, from: &Path, to: &Path) {
 
 /// The figures, for a person.
 fn summary(report: &Report, out: &Path) -> String {
-    let figures = report.fit.as_ref().map_or(String::new(), Fit::told);
+    let figures = report.fit.as_ref().map_or(String::new(), Fit::report);
     format!("{figures}{:.2} s\nwrote {}", report.total_ms / 1e3, out.display())
 }

@@ -191,7 +191,7 @@ impl Measured {
             laws.insert("no hair is rooted in a parting", partings.rooted_in == 0);
         }
         if let Some(curls) = self.curls.as_ref().filter(|curls| curls.can_be_judged()) {
-            let [diameters, pitches, shrinkage] = curls.are_as_asked(0.05);
+            let [diameters, pitches, shrinkage] = curls.are_as_requested(0.05);
             laws.insert("curl diameters are as asked to 5 %", diameters);
             laws.insert("curl pitches are as asked to 5 %", pitches);
             laws.insert("shrinkage is as told to 5 %", shrinkage);
@@ -342,7 +342,8 @@ struct PuffsNames {
     fewest: usize,
     radius_cm: [f32; 2],
     coverage: f32,
-    asked: Option<f32>,
+    #[serde(rename = "asked")]
+    requested: Option<f32>,
     #[serde(with = "EdgeNames")]
     edge: outlines::Edge,
     a_cell: f32,

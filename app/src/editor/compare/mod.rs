@@ -17,7 +17,7 @@ use crate::core::room::Room;
 use crate::core::state::{OpenFile, State};
 use crate::jobs::evaluation::EvaluationRequest;
 use crate::rooms::canvas::{Canvas, DiffMarks, marks};
-use coif_graphs::compare::{ChangeLine, diff, is_same_hair, told};
+use coif_graphs::compare::{ChangeLine, change_lines, diff, is_same_hair};
 use coif_graphs::document::{Document, NodeId};
 use coif_nodes::eval::Quality;
 use std::path::Path;
@@ -99,7 +99,7 @@ impl Compare {
             std::mem::swap(&mut a, &mut b);
         }
         let changes = diff(a, b);
-        self.lines = told(a, b, &changes, true);
+        self.lines = change_lines(a, b, &changes, true);
         self.same_hair = is_same_hair(a, b, &changes);
         let mut both = marks(a, b, &changes).map(Arc::new);
         if self.is_before {

@@ -5,7 +5,7 @@ use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
 use super::remedies::with_remedy;
 use super::watch::Change;
-use super::{Browser, DocumentEvent, bars, browser, home, own_head, welcome};
+use super::{Browser, DocumentEvent, bars, between_runs, browser, own_head, welcome};
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
@@ -177,7 +177,7 @@ pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
         editor.documents.frames = None;
         editor.act("view.frame_all");
     }
-    home::heed_settings(editor, ctx);
+    between_runs::heed_settings(editor, ctx);
     save_by_itself(editor, ctx);
     editor.tell_journal();
     let state = &editor.state;

@@ -9,11 +9,11 @@
 
 pub(crate) mod actions;
 mod bars;
+mod between_runs;
 mod browser;
 pub(crate) mod dialogs;
 mod export;
 mod frame;
-mod home;
 mod journal;
 pub(crate) mod kept;
 pub(crate) mod life;

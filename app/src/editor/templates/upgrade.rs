@@ -30,7 +30,7 @@ impl Editor {
                 id,
                 entry,
                 of: self.state.changes,
-                told: upgrade.told,
+                overrides: upgrade.overrides,
                 changed_inside: upgrade.changed_inside,
             }),
             Err(why) => {

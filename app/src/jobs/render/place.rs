@@ -54,7 +54,10 @@ impl ShotView {
             .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
         let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
         let output = output.ok_or_else(|| {
-            fault(format!("{} gives no curves that the picture could be filled with", def.told()))
+            fault(format!(
+                "{} gives no curves that the picture could be filled with",
+                def.with_article()
+            ))
         })?;
         Ok(Self { name, seen: Seen::Close(Socket::new(id, output.name)) })
     }

@@ -41,7 +41,7 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
             ui.label(RichText::new(format!("⬆ {text}")).color(theme::ACCENT));
             let offer = state.offer.as_ref().filter(|offer| offer.id == *id);
             if let Some(offer) = offer {
-                told(ui, &offer.told, offer.changed_inside);
+                told(ui, &offer.overrides, offer.changed_inside);
             }
             ui.horizontal_wrapped(|ui| {
                 match offer {

@@ -251,7 +251,7 @@ fn field(
     width: f32,
 ) {
     let scale = Scale::of(input);
-    let editor = FieldEditor { name, scale: &scale, known };
+    let editor = FieldEditor { name, scale: &scale, names: known };
     let button = ui.spacing().interact_size.y;
     let held = match value {
         Some(Value::Field(field)) => Some((**field).clone()),

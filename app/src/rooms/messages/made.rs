@@ -26,7 +26,7 @@ fn row<'a>(made: &'a HairTrace, Found { part, alone }: &'a Found) -> Row<'a> {
     let name = made.document.name_of(part.node());
     let text = match part {
         Part::Node(_) => name.into_owned(),
-        Part::Drawn { .. } => format!("{name}: {}", part.told(&made.document)),
+        Part::Drawn { .. } => format!("{name}: {}", part.describe(&made.document)),
     };
     let tip = match alone {
         true => "Without it the hair is another. Selects it",

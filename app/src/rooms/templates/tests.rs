@@ -392,11 +392,11 @@ fn what_is_offered_follows_the_document_and_a_template_that_lacks_loses_nothing(
         std::thread::sleep(Duration::from_millis(2));
         hands.steps(1);
     }
-    let told = hands.editor().state.offer.as_ref().unwrap().told.len();
+    let told = hands.editor().state.offer.as_ref().unwrap().overrides.len();
     let unset = Edit::UnsetInput { node: id.clone(), input: "diameter".to_owned() };
     hands.editor().apply(Event::Edit(unset));
     hands.steps(2);
-    assert_eq!(hands.editor().state.offer.as_ref().unwrap().told.len(), told - 1);
+    assert_eq!(hands.editor().state.offer.as_ref().unwrap().overrides.len(), told - 1);
     hands.editor().apply(Event::Edit(Edit::RemoveNode { id: id.clone() }));
     hands.steps(2);
     assert!(hands.editor().state.offer.is_none());
