@@ -520,7 +520,7 @@ fn a_search_says_why_it_found_something_and_sets_what_was_asked_for() {
     assert!(hands.shows("Cluster to strands: frizz"));
     hands.key(Key::Escape);
     search(&mut hands, "qqqq");
-    assert!(hands.shows("Nothing fits what was typed."));
+    assert!(hands.shows("Nothing matches."));
     hands.key(Key::Escape);
     search(&mut hands, "4c");
     assert!(hands.shows("Shape-list curl: preset 4c") || hands.shows("Shape list curl: preset 4c"));

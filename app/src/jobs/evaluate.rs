@@ -43,7 +43,7 @@ pub(crate) struct Opened {
 /// What an evaluation gave.
 pub(crate) struct Evaluated {
     /// Each output, as it is written to files.
-    pub(crate) groups: Vec<export::ExportGroup>,
+    pub(crate) groups: Vec<export::HairGroup>,
     /// The heads that the outputs stand on.
     pub(crate) scalps: Vec<Arc<Scalp>>,
     /// Names of the sections that hair may be rooted in, by their ids.
@@ -239,7 +239,7 @@ impl OutputRequest {
         (scalps, parted): (&[Arc<Scalp>], &[Arc<Scalp>]),
         (host, cancel): (&dyn Host, &CancelToken),
         report: &mut Report,
-    ) -> Option<export::ExportGroup> {
+    ) -> Option<export::HairGroup> {
         // The skin that keeps points added by export outside: of the only head, if there is one.
         let skin = match scalps {
             [only] => only.skin().for_hair(),
@@ -288,7 +288,7 @@ impl OutputRequest {
             reading_difference: changes.difference,
             root_drift_cm: root_drift(&curves),
         });
-        Some(export::ExportGroup { name: self.group.clone(), guides: self.guides, curves })
+        Some(export::HairGroup { name: self.group.clone(), guides: self.guides, curves })
     }
 }
 

@@ -702,7 +702,7 @@ impl Reader<'_> {
         let conflicts = conflicts.filter_map(|comment| {
             let left = comment.text.strip_prefix(CONFLICT)?;
             let message =
-                format!("a merge left this to decide:{left}; choose, then remove this comment");
+                format!("merge conflict:{left}; choose a value, then remove this comment");
             Some((comment.at, message))
         });
         let conflicts = conflicts.collect();

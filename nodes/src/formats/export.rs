@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// Curves that leave the graph under one name.
 #[derive(Clone, Debug)]
-pub struct ExportGroup {
+pub struct HairGroup {
     /// The group's name.
     pub name: String,
     /// Whether they are guides, which renderers leave out.
@@ -36,7 +36,7 @@ pub struct ExportGroup {
     pub curves: Curves,
 }
 
-impl ExportGroup {
+impl HairGroup {
     /// Whether these are lines of partings that go out as guides, for measuring: nothing that hair should follow.
     pub fn is_partings(&self) -> bool {
         let tufts = self.curves.tufts();
@@ -91,7 +91,7 @@ impl Format {
 ///
 /// # Errors
 /// None but those of numbering more curves than there are numbers.
-pub fn numbers(groups: &[ExportGroup]) -> Result<Vec<Vec<i32>>, FormatError> {
+pub fn numbers(groups: &[HairGroup]) -> Result<Vec<Vec<i32>>, FormatError> {
     let ids = FileIds::of(groups, &|| Ok(()))?;
     Ok((0..groups.len()).map(|nth| ids.of_group(nth)).collect())
 }
@@ -103,7 +103,7 @@ pub fn numbers(groups: &[ExportGroup]) -> Result<Vec<Vec<i32>>, FormatError> {
 /// The output failed, somebody asked to stop, or the format cannot hold the groom; place and reason say what.
 pub fn write(
     format: Format,
-    groups: &[ExportGroup],
+    groups: &[HairGroup],
     heads: &[Arc<Scalp>],
     about: &About,
     out: &mut (impl Write + Seek),
@@ -116,7 +116,7 @@ pub fn write(
     // Of all groups, so that every format has the same.
     let ids = FileIds::of(groups, &|| go_on(is_cancelled))?;
     let is_written =
-        |group: &ExportGroup| format != Format::Abc || !is_left_out_of_abc(group, groups);
+        |group: &HairGroup| format != Format::Abc || !is_left_out_of_abc(group, groups);
     let stage = GroomStage {
         name: about.title.clone(),
         doc: format!("{}, made by {}", about.title, about.generator),
@@ -180,7 +180,7 @@ pub const ADDED: &[(&str, &str, &str, &str)] = &[
 
 /// The group of hair that curves belong to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct GroomGroup {
+pub struct HairGroupId {
     /// From 0.
     pub id: i32,
     /// Its name, without control characters.
@@ -188,7 +188,7 @@ pub struct GroomGroup {
 }
 
 /// The group of hair that each belongs to, as [`ADDED`] says. Unreal cannot hold guides without hair.
-pub fn places(groups: &[ExportGroup]) -> Vec<GroomGroup> {
+pub fn places(groups: &[HairGroup]) -> Vec<HairGroupId> {
     let is_bald = groups.iter().all(|group| group.guides);
     let mut names: Vec<&str> = vec![];
     for group in groups.iter().filter(|group| is_bald || !group.guides) {
@@ -196,24 +196,24 @@ pub fn places(groups: &[ExportGroup]) -> Vec<GroomGroup> {
             names.push(&group.name);
         }
     }
-    let place = |group: &ExportGroup| {
+    let place = |group: &HairGroup| {
         let id = names.iter().position(|name| *name == group.name).unwrap_or(0);
-        GroomGroup { id: id as i32, name: names[id].replace(char::is_control, "_") }
+        HairGroupId { id: id as i32, name: names[id].replace(char::is_control, "_") }
     };
     groups.iter().map(place).collect()
 }
 
 /// Whether Alembic files leave this one of `groups` out: their readers would take lines of partings for guides. They stay where
 /// there is nothing else.
-pub fn is_left_out_of_abc(group: &ExportGroup, groups: &[ExportGroup]) -> bool {
-    group.is_partings() && !groups.iter().all(ExportGroup::is_partings)
+pub fn is_left_out_of_abc(group: &HairGroup, groups: &[HairGroup]) -> bool {
+    group.is_partings() && !groups.iter().all(HairGroup::is_partings)
 }
 
 /// What is written beside the attributes of a group, but for names that it has attributes of.
 fn added<'c>(
     curves: &'c Curves,
     guides: bool,
-    place: &GroomGroup,
+    place: &HairGroupId,
     ids: &[i32],
 ) -> Vec<Primvar<'c>> {
     use Interpolation::{Constant, Uniform};
@@ -242,8 +242,8 @@ fn go_on(is_cancelled: &dyn Fn() -> bool) -> Result<(), FormatError> {
 }
 
 fn curve_set<'c>(
-    group: &'c ExportGroup,
-    place: &GroomGroup,
+    group: &'c HairGroup,
+    place: &HairGroupId,
     (nth, ids): (usize, &FileIds),
     about: &About,
     is_cancelled: &dyn Fn() -> bool,
@@ -485,13 +485,13 @@ fn missing<T: Item>(name: &str, like: &Column) -> Option<T> {
 }
 
 fn write_hair(
-    groups: &[ExportGroup],
+    groups: &[HairGroup],
     about: &About,
     out: &mut impl Write,
 ) -> Result<(), FormatError> {
     // One set in the format: guides are left out when there is hair, for nothing could tell them apart.
     let hair = groups.iter().filter(|g| !g.guides);
-    let chosen: Vec<&ExportGroup> =
+    let chosen: Vec<&HairGroup> =
         if hair.clone().next().is_some() { hair.collect() } else { groups.iter().collect() };
     let merged =
         Curves::new(chosen.iter().flat_map(|g| g.curves.tufts().iter().cloned()).collect());
@@ -541,11 +541,8 @@ mod tests {
                 b.set_column(a::Attribute { name: (*name).into(), domain, values });
             }
             let curves = Curves::new(vec![Arc::new(b.build())]);
-            let group = |name: &str| ExportGroup {
-                name: name.into(),
-                guides: false,
-                curves: curves.clone(),
-            };
+            let group =
+                |name: &str| HairGroup { name: name.into(), guides: false, curves: curves.clone() };
             let about = About {
                 title: "all".into(),
                 generator: "test".into(),
@@ -579,7 +576,7 @@ mod tests {
         let mut b = TuftBuilder::even((0..6).map(|k| Vec3::Y * k as f32).collect(), 3);
         b.set(ROOT_UV, Domain::Curve, vec![Vec2::X, Vec2::Y]);
         b.set(a::COLOUR, Domain::Curve, vec![Vec3::X]);
-        let group = |b: TuftBuilder| ExportGroup {
+        let group = |b: TuftBuilder| HairGroup {
             name: "a\0b".into(),
             guides: false,
             curves: Curves::new(vec![Arc::new(b.build())]),
@@ -591,7 +588,7 @@ mod tests {
             seed: 0,
             sections: BTreeMap::new(),
         };
-        let written = |format: Format, group: &ExportGroup| {
+        let written = |format: Format, group: &HairGroup| {
             let mut file = std::io::Cursor::new(vec![]);
             write(format, std::slice::from_ref(group), &[], &about, &mut file, &|| false).unwrap();
             let bytes = file.into_inner();

@@ -7,7 +7,7 @@
 //! Not promised: the same number in another file, where another curve has it.
 
 use super::FormatError;
-use super::export::ExportGroup;
+use super::export::HairGroup;
 use crate::data::attributes::PARENT;
 use crate::data::curves::Curves;
 use crate::data::ids::renewed;
@@ -27,11 +27,11 @@ impl FileIds {
     /// # Errors
     /// What `go_on` gives, which is asked now and then.
     pub(super) fn of(
-        groups: &[ExportGroup],
+        groups: &[HairGroup],
         go_on: &dyn Fn() -> Result<(), FormatError>,
     ) -> Result<Self, FormatError> {
         let ids =
-            |group: &ExportGroup| group.curves.each().map(|(t, i)| t.id(i)).collect::<Vec<u64>>();
+            |group: &HairGroup| group.curves.each().map(|(t, i)| t.id(i)).collect::<Vec<u64>>();
         let mut of_groups: Vec<Vec<u64>> = groups.iter().map(ids).collect();
         go_on()?;
         let is_guides = |g: &usize| groups[*g].guides;
@@ -130,17 +130,17 @@ mod tests {
     use glam::Vec3;
 
     /// A group of curves with these ids, made from those.
-    fn group(guides: bool, ids: &[u64], made_from: &[u64]) -> ExportGroup {
+    fn group(guides: bool, ids: &[u64], made_from: &[u64]) -> HairGroup {
         let mut b = TuftBuilder::new();
         ids.iter().for_each(|_| b.push_curve(&[Vec3::ZERO, Vec3::Y]));
         b.set(ID, Domain::Curve, ids.to_vec());
         b.set(PARENT, Domain::Curve, made_from.to_vec());
-        ExportGroup { name: "a".into(), guides, curves: Curves::new(vec![b.build().into()]) }
+        HairGroup { name: "a".into(), guides, curves: Curves::new(vec![b.build().into()]) }
     }
 
     /// Numbers of each group's curves. Whatever goes in, no number is there twice, and none of hair is a clump's.
     #[track_caller]
-    fn numbers_of(groups: &[ExportGroup]) -> Vec<Vec<i32>> {
+    fn numbers_of(groups: &[HairGroup]) -> Vec<Vec<i32>> {
         let ids = FileIds::of(groups, &|| Ok(())).unwrap();
         let all: Vec<Vec<i32>> = (0..groups.len()).map(|g| ids.of_group(g)).collect();
         let each: BTreeSet<i32> = all.iter().flatten().copied().collect();
@@ -192,7 +192,7 @@ mod tests {
         let group = group(false, &none, &none);
         let curves = Curves::new((*group.curves.tufts()[0]).clone().split());
         // Each searched from 0 on for a free number, which was 5,000,000,000 looks.
-        numbers_of(&[ExportGroup { curves, ..group }]);
+        numbers_of(&[HairGroup { curves, ..group }]);
         assert_eq!(numbers(&vec![1 << 31; n], 0).last().unwrap().1, n as i32);
     }
 

@@ -34,7 +34,7 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::define::Value;
     use crate::eval::PlainHost;
-    use crate::formats::export::{About, ExportGroup, Format, write};
+    use crate::formats::export::{About, Format, HairGroup, write};
     use crate::formats::usd::read::read_alone;
     use crate::testing::{Threads, curves_of, run};
     use glam::Vec3;
@@ -84,7 +84,7 @@ mod tests {
                 seed: 0,
                 sections: Default::default(),
             };
-            let group = [ExportGroup { name: name.into(), guides: false, curves }];
+            let group = [HairGroup { name: name.into(), guides: false, curves }];
             let mut file = Cursor::new(vec![]);
             write(Format::Usdc, &group, &[], &about, &mut file, &|| false).unwrap();
             let read = read_alone(&file.into_inner(), "usdc").unwrap().remove(0);

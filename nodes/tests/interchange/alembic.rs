@@ -8,7 +8,7 @@ use coif_nodes::formats::abc::read::{
     AbcObject, AbcProperty, AbcPropertyKind, Archive, entry, read_curves,
 };
 use coif_nodes::formats::abc::write;
-use coif_nodes::formats::export::{self, About, ExportGroup, Format};
+use coif_nodes::formats::export::{self, About, Format, HairGroup};
 use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::groom::{
     CurveSet, GroomStage, Interpolation, Primvar, PrimvarValues, Widths,
@@ -27,7 +27,7 @@ fn bytes_of(stage: &GroomStage) -> Vec<u8> {
 }
 
 /// Curves with each kind of attribute that a groom has; ids that fold to one number.
-fn groups() -> Vec<ExportGroup> {
+fn groups() -> Vec<HairGroup> {
     let group = |name: &str, guides: bool, parting: u64| {
         let mut b = TuftBuilder::even((0..12).map(|k| Vec3::Y * k as f32).collect(), 4);
         b.set(a::ID, a::Domain::Curve, vec![5, 5 | 1 << 31, 6]);
@@ -35,7 +35,7 @@ fn groups() -> Vec<ExportGroup> {
         b.set(a::COLOUR, a::Domain::Curve, vec![Vec3::X, Vec3::Y, Vec3::Z]);
         b.set(a::PARTING, a::Domain::Curve, vec![parting]);
         let curves = Curves::new(vec![Arc::new(b.build())]);
-        ExportGroup { name: name.into(), guides, curves }
+        HairGroup { name: name.into(), guides, curves }
     };
     vec![
         group("hair", false, 0),
@@ -46,7 +46,7 @@ fn groups() -> Vec<ExportGroup> {
     ]
 }
 
-fn exported(format: Format, groups: &[ExportGroup]) -> Vec<u8> {
+fn exported(format: Format, groups: &[HairGroup]) -> Vec<u8> {
     let about = About {
         title: "Head".into(),
         generator: "coif tests".into(),

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// What a graph gave on one head.
 pub(super) struct FitResult {
-    pub(super) groups: Vec<export::ExportGroup>,
+    pub(super) groups: Vec<export::HairGroup>,
     pub(super) scalp: Arc<Scalp>,
     pub(super) parted: Vec<(NodeId, Arc<Scalp>)>,
     /// Curves of the nodes that root some.

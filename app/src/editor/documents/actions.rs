@@ -22,7 +22,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.new",
         label: "New…",
-        tip: "Shipped grooms with pictures, the empty head, and one's own.",
+        tip: "Start from a shipped groom, an empty head or your own head.",
         words: "template preset welcome start create",
         menu: "File",
         when: always,
@@ -31,7 +31,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.empty",
         label: "New empty head",
-        tip: "A head without hair.",
+        tip: "New groom: a head without hair.",
         words: "blank scene create bald",
         menu: "File",
         when: always,
@@ -40,7 +40,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.open",
         label: "Open…",
-        tip: "Opens a groom (.ron).",
+        tip: "Open a groom (.ron).",
         words: "load read file",
         menu: "File",
         when: always,
@@ -49,7 +49,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.recent",
         label: "Open recent…",
-        tip: "The grooms that were open lately.",
+        tip: "Recently opened grooms.",
         words: "last history load",
         menu: "File",
         when: always,
@@ -58,7 +58,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.head",
         label: "Own head…",
-        tip: "A mesh (.obj, .glb, .gltf) becomes the head that hair grows on.",
+        tip: "Use a mesh (.obj, .glb, .gltf) as the head that hair grows on.",
         words: "import mesh scalp character model skull",
         menu: "File",
         when: always,
@@ -67,7 +67,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.save",
         label: "Save",
-        tip: "Writes the groom to its file, whole or not at all.",
+        tip: "Save the groom to its file. A failed save leaves the old file as it was.",
         words: "store write keep",
         menu: "File",
         when: always,
@@ -76,7 +76,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.save_as",
         label: "Save as…",
-        tip: "Writes the groom to another file; the meshes that it names stay found.",
+        tip: "Save the groom to another file. Paths to meshes are adjusted.",
         words: "store write copy rename",
         menu: "File",
         when: always,
@@ -85,7 +85,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.export",
         label: "Export hair…",
-        tip: "Writes all hair as .usdc, .usda, .abc or .hair, the same as coif eval does. Editing goes on meanwhile.",
+        tip: "Export all hair as .usdc, .usda, .abc or .hair, as coif eval does. You can go on editing.",
         words: "usd write houdini maya blender unreal curves alembic output",
         menu: "File",
         when: |editor| editor.can_export(),
@@ -94,7 +94,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.picture",
         label: "Save a picture…",
-        tip: "Draws what the viewport looks at as .png or .exr, 1920 x 1080, as coif render does. Editing goes on meanwhile.",
+        tip: "Render the view as .png or .exr, 1920 x 1080, as coif render does. You can go on editing.",
         words: "render image still screenshot png exr",
         menu: "File",
         when: |editor| editor.can_export(),
@@ -103,7 +103,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.stop_export",
         label: "Stop the export",
-        tip: "Stops the export that goes on; nothing is written.",
+        tip: "Stop the running export; nothing is written.",
         words: "cancel abort",
         menu: "",
         when: |editor| editor.exports(),
@@ -112,7 +112,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "compare.file",
         label: "Compare with…",
-        tip: "Shows another groom (.ron) beside this one, with all that differs.",
+        tip: "Show another groom (.ron) beside this one, with all differences.",
         words: "diff difference versions two side by side review",
         menu: "File",
         when: always,
@@ -121,7 +121,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "compare.saved",
         label: "Compare with saved",
-        tip: "Shows this groom beside its file as it was saved, with all that changed since.",
+        tip: "Show this groom beside its saved file, with all changes since.",
         words: "diff difference changes since review",
         menu: "File",
         when: |editor| match editor.state.file.path {
@@ -133,7 +133,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "compare.flip",
         label: "Flip hair",
-        tip: "Shows the other groom's hair in the viewport with the same camera, or one's own again.",
+        tip: "Switch the viewport between the other groom's hair and yours, with the same camera.",
         words: "compare toggle swap a b wipe other",
         menu: "View",
         when: compares,
@@ -142,7 +142,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "compare.end",
         label: "End comparing",
-        tip: "Shows this groom alone again.",
+        tip: "Show this groom alone again.",
         words: "diff close stop",
         menu: "File",
         when: compares,
@@ -151,7 +151,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.close",
         label: "Close the window",
-        tip: "Asks once when something is not saved.",
+        tip: "Close the window. Unsaved changes are asked about first.",
         words: "quit exit end leave",
         menu: "File",
         when: always,

@@ -23,9 +23,9 @@ pub(super) fn show(documents: &Documents, ui: &mut egui::Ui, out: &mut Vec<Event
                     ui.label(format!("There are {more} more."));
                 }
                 for (word, tip, answer) in [
-                    ("Restore", "Opens it as it was after the last step", Left::Restore),
-                    ("Keep for later", "Offers it again at the next start", Left::Keep),
-                    ("Discard", "Removes it for good", Left::Discard),
+                    ("Restore", "Open it as it was after the last step", Left::Restore),
+                    ("Keep for later", "Offer it again at the next start", Left::Keep),
+                    ("Discard", "Delete it for good", Left::Discard),
                 ] {
                     if ui.button(word).on_hover_text(tip).clicked() {
                         out.push(Event::Documents(DocumentEvent::Left(at, answer)));
@@ -50,9 +50,9 @@ pub(crate) fn changed(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) 
     ui.add(egui::Label::new(text).wrap());
     ui.horizontal_wrapped(|ui| {
         for (word, tip, answer) in [
-            ("Reload", "Opens the file as it is now", Disk::Reload),
-            ("Keep mine", "Saving replaces the file", Disk::Keep),
-            ("Compare", "Shows both side by side", Disk::Compare),
+            ("Reload", "Open the file as it is now", Disk::Reload),
+            ("Keep mine", "Keep your version; saving overwrites the file", Disk::Keep),
+            ("Compare", "Show both side by side", Disk::Compare),
         ] {
             if ui.button(word).on_hover_text(tip).clicked() {
                 out.push(Event::Documents(DocumentEvent::Disk(answer)));
@@ -122,13 +122,13 @@ pub(super) fn unsaved(
             let answers: &[_] = if changed {
                 &[
                     ("Save", "Saves first", Unsaved::Save),
-                    ("Discard", "Goes on without saving", Unsaved::Discard),
-                    ("Cancel", "Goes back to the document", Unsaved::Cancel),
+                    ("Discard", "Continue without saving", Unsaved::Discard),
+                    ("Cancel", "Go back to the document", Unsaved::Cancel),
                 ]
             } else {
                 &[
-                    ("Close", "Stops the export", Unsaved::Discard),
-                    ("Cancel", "Goes back to the document", Unsaved::Cancel),
+                    ("Close", "Stop the export", Unsaved::Discard),
+                    ("Cancel", "Go back to the document", Unsaved::Cancel),
                 ]
             };
             for (word, tip, what) in answers.iter().copied() {

@@ -92,7 +92,7 @@ impl Browser {
                     ui.horizontal(|ui| {
                         let up = self.folder.parent().map(Path::to_owned);
                         let button = ui.add_enabled(up.is_some(), Button::new("Up"));
-                        if button.on_hover_text("The folder that holds this one").clicked() {
+                        if button.on_hover_text("Parent folder").clicked() {
                             enter = up;
                         }
                         ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
@@ -107,7 +107,7 @@ impl Browser {
                             } else if !listing.is_done {
                                 ui.label("reading the folder…");
                             } else if listing.folders.is_empty() && listing.files.is_empty() {
-                                ui.label("nothing here that fits");
+                                ui.label("no matching files here");
                             }
                             for name in &listing.folders {
                                 if ui.selectable_label(false, format!("🗀 {name}")).clicked() {

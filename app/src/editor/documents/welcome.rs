@@ -109,7 +109,7 @@ pub(super) fn window(
                             say(DocumentEvent::Ask(Purpose::Open));
                         }
                         let tip =
-                            "Five minutes on the cornrows: look round, draw, braid, part, save";
+                            "Five minutes on the cornrows: look around, draw, braid, part, save";
                         tour = ui.button("Take the tour").on_hover_text(tip).clicked();
                     });
                     ui.label(
@@ -117,7 +117,7 @@ pub(super) fn window(
                             .weak(),
                     );
                     ui.add_space(8.0);
-                    ui.heading("Draw").on_hover_text("A head, and the pen in hand");
+                    ui.heading("Draw").on_hover_text("An empty head with the pen ready to draw");
                     ui.horizontal_wrapped(|ui| {
                         for recipe in recipes::ALL.iter().filter(|it| it.is_drawn()) {
                             if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
@@ -130,7 +130,7 @@ pub(super) fn window(
                     let wide = ui.available_width() - SCROLL_BAR;
                     let columns = (wide / (SIZE.x * 0.75)).floor().max(1.0);
                     let size = SIZE * ((wide / columns - CARD.x) / SIZE.x).clamp(0.25, 1.0);
-                    ui.heading("Recipes").on_hover_text("Hair on an empty head, to go on from");
+                    ui.heading("Recipes").on_hover_text("Start with this hair on an empty head");
                     ui.horizontal_wrapped(|ui| {
                         // Templates have square pictures.
                         let size = Vec2::splat(size.y);
@@ -193,7 +193,7 @@ fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(Document
                 say(DocumentEvent::Open(path.clone()));
             }
             if missing
-                && ui.small_button("Forget").on_hover_text("Takes it off this list").clicked()
+                && ui.small_button("Forget").on_hover_text("Remove it from this list").clicked()
             {
                 say(DocumentEvent::Forget(path.clone()));
             }

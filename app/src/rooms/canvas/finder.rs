@@ -171,7 +171,7 @@ impl Finder {
     ) {
         if lines.is_empty() {
             ui.add_space(4.0);
-            ui.label(RichText::new("Nothing fits what was typed.").color(theme::QUIET));
+            ui.label(RichText::new("Nothing matches.").color(theme::QUIET));
         }
         let list = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(16.0);
         let list = list.auto_shrink([false, true]);

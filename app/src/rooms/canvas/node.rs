@@ -396,7 +396,7 @@ fn tip(ui: &mut Ui, face: &Face, end: End, plug: &Plug) {
         ui.label(doc);
     }
     if plug.needed && plug.wire.is_none() {
-        ui.colored_label(theme::WARNING, "The node cannot do without it.");
+        ui.colored_label(theme::WARNING, "Required: wire it.");
     }
 }
 

@@ -126,7 +126,7 @@ fn trail(state: &State, ui: &Ui, area: Rect, out: &mut Vec<Event>) {
                 let name: String = name.chars().take(40).collect();
                 if n + 1 == way.len() {
                     ui.strong(name);
-                } else if ui.small_button(name).on_hover_text("Goes back out to here.").clicked() {
+                } else if ui.small_button(name).on_hover_text("Go back to this level.").clicked() {
                     out.push(Event::Enter(place.clone()));
                 }
             }

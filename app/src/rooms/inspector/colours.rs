@@ -134,7 +134,7 @@ pub(super) fn show(ui: &mut Ui, target: &mut EditTarget, def: &'static NodeDef, 
                 };
                 let (button, mut picked) =
                     wheel::picker(ui, name, colour, becomes, |wanted| told(wanted, now[2]));
-                button.on_hover_text("Becomes the pigment that comes nearest.");
+                button.on_hover_text("Set the nearest natural pigment.");
                 ui.label(name);
                 let rest = ui.available_width().min(90.0);
                 let typed =

@@ -37,10 +37,10 @@ pub(crate) struct FieldEditor<'a> {
 /// Where a number can come from, in the menu's order: name and explanation.
 const SOURCES: [(&str, &str); 5] = [
     ("Number", "The same everywhere."),
-    ("Ramp", "Changes from root to tip of each curve."),
-    ("Attribute", "A number that the curves bring along, such as radius."),
-    ("Mask", "A painted or drawn mask of the head, under each root."),
-    ("Product", "Several of these, multiplied: a ramp times a mask."),
+    ("Ramp", "Varies from root to tip of each curve."),
+    ("Attribute", "An attribute of the curves, such as radius."),
+    ("Mask", "A painted or drawn mask of the head, read at each root."),
+    ("Product", "A product of these, such as a ramp times a mask."),
 ];
 
 fn source(field: &Field) -> usize {
@@ -225,7 +225,7 @@ impl FieldEditor<'_> {
                     });
                 });
             }
-            let add = ui.button("Add a factor").on_hover_text("Multiplies by one thing more.");
+            let add = ui.button("Add a factor").on_hover_text("Multiply by another factor.");
             set_name(ui, &add, &format!("{}: add a factor", self.name));
             if add.clicked() {
                 let more = [parts, &[Field::Constant(1.0)]].concat();

@@ -21,7 +21,7 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
     if origin.locked {
         ui.horizontal_wrapped(|ui| {
             quiet(ui, "Kept at this version.");
-            let tip = "Newer versions are told again, and can take its place";
+            let tip = "Offer newer versions of its template again";
             if ui.button("Let it be upgraded").on_hover_text(tip).clicked() {
                 say(templates::TemplateEvent::Keep { id: id.clone(), kept: false });
             }
@@ -47,7 +47,7 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
                 match offer {
                     None => {
                         let tip =
-                            "What would become of every value and wire on it; nothing changes yet";
+                            "List what happens to every value and wire on it. Nothing changes yet";
                         if ui.button("Show what changes").on_hover_text(tip).clicked() {
                             let template = Which(newer.clone());
                             say(templates::TemplateEvent::Compare { id: id.clone(), template });
@@ -57,16 +57,16 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
                         let words =
                             if offer.changed_inside { "Upgrade all the same" } else { "Upgrade" };
                         let tip =
-                            format!("Puts version {} in its place, in one step", offer.version());
+                            format!("Replace it by version {}, as one undo step", offer.version());
                         if ui.button(words).on_hover_text(tip).clicked() {
                             say(templates::TemplateEvent::Upgrade);
                         }
-                        if ui.button("Not now").on_hover_text("Closes the list").clicked() {
+                        if ui.button("Not now").on_hover_text("Close the list").clicked() {
                             say(templates::TemplateEvent::NotNow);
                         }
                     }
                 }
-                let tip = "Stays at its version for good; no newer one is told of";
+                let tip = "Stay at this version and offer no newer ones";
                 if ui.button("Keep this version").on_hover_text(tip).clicked() {
                     say(templates::TemplateEvent::Keep { id: id.clone(), kept: true });
                 }
@@ -82,7 +82,7 @@ fn from(origin: &Origin) -> String {
     let lines: Vec<String> =
         lines.iter().filter(|(_, text)| !text.is_empty()).map(|(a, b)| format!("{a}{b}")).collect();
     match lines.is_empty() {
-        true => "Nothing is said of where it comes from".to_owned(),
+        true => "Origin not stated".to_owned(),
         false => lines.join("\n"),
     }
 }

@@ -196,7 +196,7 @@ impl Inspector {
                 let line = ui.add(Label::new(text).truncate().sense(egui::Sense::click()));
                 // Also what does not fit.
                 ui.ctx().accesskit_node_builder(line.id, |node| node.set_value(whole));
-                let tip = if self.says_all { "Closes the list" } else { "Opens the list" };
+                let tip = if self.says_all { "Close the list" } else { "Open the list" };
                 if line.on_hover_text(tip).clicked() {
                     self.says_all = !self.says_all;
                 }
@@ -358,7 +358,7 @@ fn heading(
     line.on_hover_ui(|ui| {
         let names: Vec<String> = inputs.iter().map(|input| text::spoken(input.name)).collect();
         ui.set_max_width(380.0);
-        ui.label(if open { "Closes the group.".to_owned() } else { names.join(", ") });
+        ui.label(if open { "Collapse the group.".to_owned() } else { names.join(", ") });
     })
 }
 
@@ -429,9 +429,9 @@ fn header(
             let can = !edits.is_empty();
             let reset = ui.add_enabled(can, egui::Button::new("Reset all inputs"));
             let reset = reset.on_hover_text(
-                "What was drawn and wires stay; every other input gets its default.",
+                "Reset every input to its default. Strokes, gestures and wires stay.",
             );
-            if reset.on_disabled_hover_text("All are at their defaults.").clicked() {
+            if reset.on_disabled_hover_text("All inputs are at their defaults.").clicked() {
                 once(edits, out);
                 ui.close();
             }
@@ -452,8 +452,7 @@ fn header(
         let right = egui::Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right, |ui| {
             let check = ui.checkbox(&mut bypass, "Bypass");
-            let check =
-                check.on_hover_text("Passes its input through as if the node were not there.");
+            let check = check.on_hover_text("Bypass the node: its input passes through unchanged.");
             if check.changed() {
                 let edit = |id: &NodeId| Edit::SetBypass { id: id.clone(), bypass };
                 once(nodes.iter().map(edit).collect(), out);
@@ -525,7 +524,7 @@ fn document(state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
     }
     let seed = document.seed.to_string();
     ui.horizontal(|ui| {
-        ui.label("Seed").on_hover_text("All randomness of the groom hangs from it.");
+        ui.label("Seed").on_hover_text("Seed of all randomness in the groom.");
         let width = ui.available_width();
         if let Some(seed) = text_field(ui, "Seed", &seed, "a whole number", (width, 1))
             && let Ok(seed) = seed.trim().parse()

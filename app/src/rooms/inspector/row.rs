@@ -102,9 +102,9 @@ fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, he
     }
     let response = response.on_hover_cursor(CursorIcon::PointingHand);
     response.on_hover_text(if exposed {
-        "The canvas shows this input as a socket. Click to take it away."
+        "Shown as a socket on the canvas. Click to hide the socket."
     } else {
-        "Click to show this input as a socket on the canvas, so that a wire can drive it."
+        "Click to show this input as a socket on the canvas, to wire it."
     });
 }
 
@@ -129,7 +129,7 @@ pub(crate) fn tooltip(ui: &mut Ui, target: &EditTarget, input: &InputDef, name: 
     ui.strong(name);
     ui.label(input.doc());
     if let Some(why) = target.idle(input) {
-        ui.colored_label(theme::WARNING, format!("Counts for nothing now: {why}."));
+        ui.colored_label(theme::WARNING, format!("Has no effect now: {why}."));
     }
     let scale = Scale::of(input);
     let mut facts = vec![];
@@ -169,7 +169,7 @@ fn told(value: &Value, scale: &Scale) -> String {
 fn menu(ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef) {
     let set = target.is_set(input);
     let reset = ui.add_enabled(set, egui::Button::new("Reset to default"));
-    if reset.on_disabled_hover_text("It is the default already.").clicked() {
+    if reset.on_disabled_hover_text("Already at the default.").clicked() {
         target.unset(input);
         ui.close();
     }

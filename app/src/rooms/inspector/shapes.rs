@@ -18,11 +18,11 @@ const DRAWING: f32 = 140.0;
 
 const KINDS: [(&str, &str); 6] = [
     ("Circle", "The helix."),
-    ("Ellipse", "A flattened circle: waves rather than coils."),
+    ("Ellipse", "A flattened circle: makes waves rather than coils."),
     ("Lamé", "A superellipse: 2 is a circle, less is pinched, more is square."),
     ("Polygon", "Sharp bends between straight runs."),
     ("Rose", "Petals: loops and kinks."),
-    ("Drawn", "Points of a closed curve that you drag."),
+    ("Drawn", "A closed curve through points that you drag."),
 ];
 
 fn kind(section: &TurnProfile) -> usize {
@@ -133,7 +133,7 @@ pub(crate) fn show(
                 new = row(ui, &one, list, i, width).or(new.take());
             });
         }
-        let add = ui.button("Add a shape").on_hover_text("Adds an ellipse in tier B.");
+        let add = ui.button("Add a shape").on_hover_text("Add an ellipse in tier B.");
         set_name(ui, &add, &format!("{name}: add a shape"));
         if add.clicked() {
             let tier = if list.0.is_empty() { Tier::A } else { Tier::B };
@@ -340,7 +340,7 @@ fn drawing(ui: &mut Ui, name: &str, points: &[Point], width: f32) -> Option<(Tur
             new.remove(i);
         }
     }
-    response.on_hover_text("Drag the points. Double click adds one, right click removes it.");
+    response.on_hover_text("Drag points. Double-click adds one, right-click removes one.");
     let usable = ShapeList(vec![(Tier::A, TurnProfile::Custom(new.clone()))]).fault().is_none();
     (usable && new != points).then_some((TurnProfile::Custom(new), how))
 }

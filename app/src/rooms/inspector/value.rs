@@ -83,7 +83,7 @@ pub(crate) fn show(
             }
         }
         (Type::Shapes, None) => {
-            let own = ui.button("Choose shapes").on_hover_text("Unset now: others decide.");
+            let own = ui.button("Choose shapes").on_hover_text("Unset: follows other inputs.");
             set_name(ui, &own, &format!("{name}: choose"));
             if own.clicked() {
                 let list = ShapeList(vec![(Tier::A, TurnProfile::Circle)]);
@@ -177,9 +177,7 @@ fn number(
         }
         response.on_hover_ui(|ui| {
             super::row::tooltip(ui, target, input, name);
-            ui.weak(
-                "Drag, or click to type: units and arithmetic are read (3mm, 1/3, +=0.2, *=2).",
-            );
+            ui.weak("Drag, or click to type. Units and arithmetic work: 3mm, 1/3, +=0.2, *=2.");
         });
         if seed && icon_button(ui, "🎲", "New seed").clicked() {
             let of = |held: InputSetting| Some(Value::Int(next_seed(as_number(&held)? as i64)));
@@ -424,7 +422,7 @@ fn drawn(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, str
         let text = if pinned { "Stop drawing" } else { "Draw with the pen" };
         let draw = ui.selectable_label(pinned, text);
         set_name(ui, &draw, &format!("{name}: draw"));
-        if draw.on_hover_text("The pen works on this node, whatever is displayed.").clicked() {
+        if draw.on_hover_text("Keep the pen on this node, whatever is displayed.").clicked() {
             let node = target.nodes.first().filter(|_| !pinned).cloned();
             let document = &target.state.document;
             let held = node.as_ref().and_then(|id| document.node(id.as_str()));
@@ -443,7 +441,7 @@ fn drawn(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, str
 fn clear(ui: &mut Ui, name: &str, what: &str, can: bool) -> bool {
     let clear = ui.add_enabled(can, egui::Button::new("Clear"));
     set_name(ui, &clear, &format!("{name}: clear"));
-    clear.on_hover_text(format!("Removes all {what}; can be undone.")).clicked()
+    clear.on_hover_text(format!("Remove all {what}.")).clicked()
 }
 
 /// How many gestures there are of each tool, most first: "12 gestures: 5 comb, 4 implant, 3 cut".

@@ -46,7 +46,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "sketch_hair",
         label: "Sketch hair",
-        tip: "Draw hair on the head: press and draw to plant a cluster, lightly on from its tip, over hair to comb it.",
+        tip: "Draw hair on the head: press to implant a cluster, draw lightly from its tip to lengthen it, over hair to comb.",
         action: "recipe.sketch_hair",
         draws: Draws::Hair,
         selects: None,
@@ -54,7 +54,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "draw_cornrows",
         label: "Cornrows",
-        tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
+        tip: "Draw rows on the head; each becomes a cornrow of three strands.",
         action: "recipe.cornrows",
         draws: Draws::Rows,
         selects: None,
@@ -62,7 +62,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "flat_twists",
         label: "Flat twists",
-        tip: "Draw rows on the head; each becomes two strands turned about each other.",
+        tip: "Draw rows on the head; each becomes a flat twist of two strands.",
         action: "recipe.flat_twists",
         draws: Draws::Rows,
         selects: None,
@@ -70,7 +70,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "draw_box_braids",
         label: "Box braids",
-        tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
+        tip: "Draw braids in space, from root to tip; each becomes a hanging braid of three strands.",
         action: "recipe.box_braids",
         draws: Draws::Free,
         selects: None,
@@ -78,7 +78,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "draw_two_strand_twists",
         label: "Two-strand twists",
-        tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
+        tip: "Draw twists in space, from root to tip; each becomes a rope of two strands.",
         action: "recipe.two_strand_twists",
         draws: Draws::Free,
         selects: None,
@@ -86,7 +86,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "locks",
         label: "Locks",
-        tip: "Draw locks in space, from the root on the scalp to the tip; each is filled with hair.",
+        tip: "Draw locks in space, from root to tip; each is filled with hair.",
         action: "recipe.locks",
         draws: Draws::Free,
         selects: None,
@@ -118,7 +118,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "fringe",
         label: "Fringe",
-        tip: "Hair from a wedge above the forehead, combed forward and cut level over the brows.",
+        tip: "A fringe from a wedge above the forehead, combed forward and cut level above the brows.",
         action: "recipe.fringe",
         draws: Draws::Nothing,
         selects: None,
@@ -126,7 +126,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "pony_tail",
         label: "Pony tail",
-        tip: "Combed from everywhere into a tie at the back, with a lock wound round the band.",
+        tip: "All hair combed into a tie at the back, with a lock wound around the band.",
         action: "recipe.pony_tail",
         draws: Draws::Nothing,
         selects: Some("gather"),
@@ -142,7 +142,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "afro",
         label: "Afro",
-        tip: "Kinks picked out and cut round.",
+        tip: "Kinky hair, picked out and cut round.",
         action: "recipe.afro",
         draws: Draws::Nothing,
         selects: None,

@@ -113,7 +113,7 @@ impl Templates {
         match (self.shelf.is_new(), self.typed.trim().is_empty()) {
             (true, _) => "Reading templates…",
             (false, true) => "There are no templates.",
-            (false, false) => "No template says all of these words.",
+            (false, false) => "No template matches.",
         }
     }
 
@@ -252,16 +252,16 @@ impl Templates {
     fn of_template(&mut self, ui: &mut Ui, it: &Arc<Listed>, out: &mut Vec<Event>) {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
-            let tip = "Adds it in the middle of the nodes in sight (Enter)";
+            let tip = "Add it in the middle of the canvas (Enter)";
             if ui.button("Add").on_hover_text(tip).clicked() {
                 out.push(add(it, None));
             }
             let own = it.path.clone().filter(|_| !self.at_work.is_busy());
-            let tip = "Draws the template small and keeps the picture in its file";
+            let tip = "Render a thumbnail and store it in the template's file";
             let none = if it.path.is_none() {
-                "It comes with coif, picture and all"
+                "It comes with coif and has its picture"
             } else {
-                "One is being drawn"
+                "A thumbnail is being rendered"
             };
             let button = ui.add_enabled(own.is_some(), egui::Button::new("Make thumbnail"));
             if button.on_hover_text(tip).on_disabled_hover_text(none).clicked() {
@@ -293,9 +293,9 @@ impl Templates {
         let by = format!(
             "by {}, {}",
             some(&origin.author, "nobody named"),
-            some(&origin.licence, "no licence named")
+            some(&origin.licence, "licence not stated")
         );
-        let source = some(&origin.source, "Nothing is said of where the style comes from.");
+        let source = some(&origin.source, "Origin of the style not stated.");
         line(ui, by.clone(), &format!("{by}\n{source}"));
     }
 }

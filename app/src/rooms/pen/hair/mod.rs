@@ -491,7 +491,7 @@ fn nothing_done(state: &State, node: &NodeId, gesture: u64) -> String {
         let text = message.text.strip_prefix(&format!("gesture {number} ("))?;
         Some(text.split_once("): ")?.1)
     });
-    let text = own.unwrap_or("nothing is changed by it: begin on hair");
+    let text = own.unwrap_or("it changes nothing: begin on hair");
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
