@@ -43,7 +43,7 @@ pub enum NodeError {
     /// More than a node makes where nobody has allowed it.
     #[error(
         "{0}, and 16.8 million are the most unless more are allowed: ask for less hair or fewer points on each, or allow it \
-         (--allow-large; in the editor, Make it all the same)"
+         (--allow-large; in the editor, Evaluate anyway)"
     )]
     TooLarge(String),
     /// Somebody asked to stop.

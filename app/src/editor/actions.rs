@@ -174,7 +174,7 @@ const ACTIONS: &[Own] = &[
     },
     Action {
         id: "evaluate.allow_large",
-        label: "Make it all the same",
+        label: "Evaluate anyway",
         tip: "Evaluate beyond the limit of 16.8 million points, up to the free memory, until another document is opened.",
         words: "allow large many points limit memory",
         menu: "View",

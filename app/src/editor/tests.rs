@@ -250,9 +250,7 @@ fn panels_and_menus_leave_the_menu_bar_free_and_are_reached_whole() {
         }
         hands.click(view.center());
         let entry = |hands: &Hands, words: &str| hands.place(words).unwrap();
-        let (first, last) = ("Stop", "Select more of the kin");
-        let _ = last;
-        let top = entry(&hands, first);
+        let top = entry(&hands, "Stop");
         assert!(window.contains_rect(top), "{size:?} at {scale}: {top:?}");
         let lowest = |hands: &Hands| {
             let actions = super::actions::all().filter(|action| action.menu == "View");
@@ -302,6 +300,22 @@ fn a_click_beside_a_menu_or_a_search_closes_it_and_does_nothing_else() {
     assert_eq!(file::write(&hands.editor().state.document), strokes);
     hands.click(node);
     assert_eq!(chosen(&mut hands), [NodeId::new("rows").unwrap()].into());
+}
+
+#[test]
+fn tooltips_of_actions_have_two_lines_at_most() {
+    let hands = Hands::on(rows(), SIZE, 1.0);
+    let style = hands.0.ctx.global_style();
+    let (font, width) = (egui::TextStyle::Body.resolve(&style), style.spacing.tooltip_width);
+    let long: Vec<&str> = super::actions::all()
+        .filter(|action| {
+            let (tip, font) = (action.tip.to_owned(), font.clone());
+            let laid = hands.0.ctx.fonts_mut(|f| f.layout(tip, font, egui::Color32::WHITE, width));
+            laid.rows.len() > 2
+        })
+        .map(|action| action.tip)
+        .collect();
+    assert!(long.is_empty(), "longer than two lines: {long:#?}");
 }
 
 /// Where everything is that can be pressed in these rooms, but for what was asked to be left out.

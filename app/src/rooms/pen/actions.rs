@@ -368,7 +368,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     },
     Action {
         id: "strokes.refit",
-        label: "Back to what was drawn",
+        label: "Restore drawn strokes",
         tip: "Discard all point edits: the picked strokes are as drawn again.",
         words: "re-fit reset original",
         menu: "Pen",

@@ -130,7 +130,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     },
     Action {
         id: "view.back",
-        label: "View before",
+        label: "Previous view",
         tip: "Go back to the previous view. Not an undo step.",
         words: "previous camera back",
         menu: "View",
@@ -141,7 +141,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     },
     Action {
         id: "view.forward",
-        label: "View after",
+        label: "Next view",
         tip: "Go forward to the next view.",
         words: "next camera forward",
         menu: "View",
@@ -162,7 +162,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     view!("view.from_temple_right", "temple-right", "Close to the right temple"),
     Action {
         id: "view.orthographic",
-        label: "Parallel rays",
+        label: "Orthographic",
         tip: "Switch between perspective and orthographic; the subject keeps its size.",
         words: "orthographic perspective flat isometric",
         menu: "View",
@@ -335,7 +335,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     },
     Action {
         id: "view.select_kin",
-        label: "Select with its kin",
+        label: "Select related hair",
         tip: "Select all hair of the same braids or parent curves.",
         words: "grow selection braid cluster similar",
         menu: "View",

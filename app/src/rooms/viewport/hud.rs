@@ -201,9 +201,9 @@ pub(super) fn views(
     for (action, label, tip) in [
         ("view.frame_all", "Frame all", "Frame everything."),
         ("view.frame_selected", "Frame selected", "Frame the selection."),
-        ("view.orthographic", "Parallel rays", "Switch between perspective and orthographic."),
-        ("view.back", "View before", "Go back to the previous view."),
-        ("view.forward", "View after", "Forward again."),
+        ("view.orthographic", "Orthographic", "Switch between perspective and orthographic."),
+        ("view.back", "Previous view", "Go back to the previous view."),
+        ("view.forward", "Next view", "Go forward to the next view."),
     ] {
         if ui.button(label).on_hover_text(tip).clicked() {
             out.push(Event::Act(action));
