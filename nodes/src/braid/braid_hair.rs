@@ -96,7 +96,7 @@ node! {
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How much hairs wander within their strand: 0 is combed smooth, 1 crosses the whole strand.
+        /// Random deviation of hairs within their strand: 0 is combed smooth, 1 crosses the whole strand.
         frizz: f32 = 0.06, hard(0.0, 1.0), unit(Ratio), words("noise messy definition texture");
         /// Fraction of hairs that leave the braid and stand off.
         flyaways: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("stray frizz fuzz halo");

@@ -33,7 +33,7 @@ node! {
     /// Fills clusters with hair: strands rooted on the scalp around each cluster's root, which run within its radius to the
     /// tip.
     ///
-    /// Density fills the cluster, twist turns its cross-section from CV to CV and makes ropes, frizz lets each strand wander.
+    /// Density fills the cluster, twist turns its cross-section from CV to CV and makes ropes, frizz makes each strand deviate at random.
     /// Editing a cluster rebuilds only its own strands; a higher density only adds strands.
     "cluster_to_strands", version 1, label "Cluster to strands",
         words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins, scales;
@@ -106,7 +106,7 @@ node! {
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("flyaways loose hairs");
         /// Largest distance of a stray tip.
         stray_amount: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("flyaways loose hairs");
-        /// How much strands wander within the cluster: 0 runs parallel, 1 may cross it from one step to the next.
+        /// Random deviation of strands within the cluster: 0 keeps them parallel, 1 lets them cross it in one step.
         frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()),
             hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
         /// Spacing of random steps of frizz along the cluster. 0: one step at each of the cluster's points.

@@ -40,7 +40,7 @@ node! {
         guides: Curves;
         /// The head that the hair grows on.
         scalp: Arc<Scalp>;
-        /// Whether to set the number of hairs or their density.
+        /// Set the density of hair, or the number of hairs.
         by: By = By::Density;
         /// Hairs per square centimetre, when by density. People have 130 to 250.
         density: f32 = 120.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number"),
@@ -89,9 +89,9 @@ node! {
 choice! {
     /// What decides the number of hairs.
     By {
-        /// So many on each square centimetre.
+        /// Hairs per square centimetre.
         Density = "density",
-        /// So many on the whole region.
+        /// Hairs on the whole region.
         Count = "count",
     }
 }
