@@ -1,8 +1,8 @@
-//! Frizz: short random kinks, each hair's own.
+//! Frizz: short random kinks, independent for each hair.
 //!
-//! A hair walks across itself as strands of sketched clusters do (methods.md 6): a random step every so many centimetres, within a
-//! disc. Guarantees: those of `data/route`; before lengths are kept no point goes farther aside than the amplitude says. Not promised:
-//! kinks finer than a hair has points for, which is remarked.
+//! A hair walks across itself as strands of sketched clusters do (methods.md 6): a random step at a fixed spacing, within a disc.
+//! Guarantees: those of `data/route`; before lengths are restored, no CV is displaced by more than the amplitude. Not promised:
+//! kinks finer than the spacing of CVs, which are remarked on.
 
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
@@ -49,7 +49,7 @@ node! {
     }
 }
 
-/// The most kinks of a hair; a longer one has its last ones farther apart.
+/// Largest number of kinks per hair; on longer hair the last ones are farther apart.
 const MOST_STEPS: f32 = 4096.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
