@@ -44,7 +44,7 @@ pub enum FieldFault {
         /// The existing names.
         known: String,
     },
-    /// Nothing says where the roots are.
+    /// A mask needs the scalp, and none is wired.
     #[error("mask {0:?} needs the scalp wired to this node")]
     NoScalp(String),
 }
@@ -190,7 +190,7 @@ impl Field {
         }
     }
 
-    /// Adds the field's definition to a key.
+    /// Adds the field to a key.
     pub fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
         match self {
             Field::Constant(x) => key.text("constant").float(*x),
@@ -205,7 +205,7 @@ impl Field {
         }
     }
 
-    /// Whether every number in it is finite.
+    /// Whether all of its numbers are finite.
     pub fn is_finite(&self) -> bool {
         match self {
             Field::Constant(x) => x.is_finite(),
@@ -215,8 +215,8 @@ impl Field {
     }
 }
 
-/// Whether a number comes of a length that is in centimetres already: an attribute that is declared as one, or a product with it.
-/// Others, such as the girth of a row, are shares of what is typed.
+/// Whether the value is a length in centimetres already: an attribute declared in cm, or a product with one. Others, such as the
+/// girth of a row, are factors of the typed number.
 fn is_in_cm(field: &Field) -> bool {
     match field {
         Field::Attribute(name) => super::attributes::is_length(name),
@@ -270,7 +270,7 @@ impl<'a> Places<'a> {
 pub struct Sampler<'a> {
     part: Part<'a>,
     range: (f32, f32),
-    /// Factor of what comes out.
+    /// Factor of the value.
     unit: f32,
 }
 

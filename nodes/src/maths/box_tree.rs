@@ -1,13 +1,13 @@
-//! Boxes in a tree: which of them may something touch?
+//! A bounding-volume hierarchy over boxes: which of them may something touch?
 //!
-//! Built once and asked often. Guarantees: no box that is touched is left out, however coordinates round; a question costs
-//! what it touches and the logarithm of all, whether boxes lie close or far and are small or large. Not promised: that what is
-//! found is touched, for a leaf holds several boxes; an order of what is found.
+//! Guarantees: every touched box is found, whatever rounding does; a query costs the number of boxes found and the logarithm of
+//! all, for boxes of any size and distribution. Not promised: that every box found is touched, since a leaf holds several; any
+//! order of results.
 
 use glam::Vec3;
 use std::ops::Range;
 
-/// A box along the axes, as its middle and half its sides.
+/// An axis-aligned box, as its centre and half extents.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Aabb {
     middle: Vec3,
@@ -15,12 +15,12 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box between two corners, a little larger: by more than what tests on it may round off.
+    /// The box between two corners, enlarged by more than tests on it may round off.
     pub fn new(low: Vec3, high: Vec3) -> Self {
         let (middle, half) = (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
         Self { middle, half: half + 1e-6 * (middle.abs() + half) }
     }
-    /// Whether the two have a point in common.
+    /// Whether the two intersect.
     #[inline]
     pub fn touches(&self, other: &Self) -> bool {
         let (apart, near) = ((self.middle - other.middle).abs(), self.half + other.half);
@@ -28,24 +28,24 @@ impl Aabb {
     }
 }
 
-/// What is nearer to a piece of a straight line than some distance.
+/// A query: all points within some distance of a line segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Rod {
     middle: Vec3,
-    /// Half the way from end to end, and its size along each axis.
+    /// Half the vector from end to end, and its absolute value.
     way: Vec3,
     size: Vec3,
     thick: f32,
 }
 
 impl Rod {
-    /// The line from `a` to `b`, as thick as `thick` on every side.
+    /// The segment from `a` to `b`, with `thick` on every side.
     pub fn new(a: Vec3, b: Vec3, thick: f32) -> Self {
         let way = 0.5 * b - 0.5 * a;
         Self { middle: 0.5 * a + 0.5 * b, way, size: way.abs(), thick }
     }
-    /// Whether the line touches the box, grown by the thickness on every side. By separating axes (Ericson, Real-Time
-    /// Collision Detection, 5.3.3): no division, so that lines along an axis and without length are nothing special.
+    /// Whether the segment touches the box, grown by the thickness on every side. By separating axes (Ericson, Real-Time
+    /// Collision Detection, 5.3.3): no division, so axis-parallel and zero-length segments need no special case.
     #[inline]
     pub fn touches(&self, block: &Aabb) -> bool {
         let (t, h) = (block.middle - self.middle, block.half + self.thick);
@@ -59,12 +59,12 @@ impl Rod {
     }
 }
 
-/// Some boxes of the tree that lie together.
+/// A leaf: some boxes that are close together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Leaf {
-    /// Its number among the tree's nodes; the parent of node `n` is node `(n - 1) / 2`, the root has number 0.
+    /// Index of its node; the parent of node `n` is `(n - 1) / 2`, the root is 0.
     pub node: usize,
-    /// Where its boxes stand in [`BoxTree::order`].
+    /// Range of its boxes in [`BoxTree::order`].
     pub boxes: Range<usize>,
 }
 
@@ -76,7 +76,7 @@ pub struct BoxTree {
     order: Vec<u32>,
 }
 
-/// So many boxes are not divided further.
+/// Largest number of boxes in a leaf.
 const FEW: usize = 8;
 
 impl BoxTree {
@@ -94,7 +94,7 @@ impl BoxTree {
         }
         Self { nodes, order: items.into_iter().map(|(_, number)| number).collect() }
     }
-    /// Numbers of the boxes as they lie in the tree.
+    /// Indices of the boxes in tree order.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
@@ -102,7 +102,7 @@ impl BoxTree {
     pub fn nodes(&self) -> usize {
         self.nodes.len()
     }
-    /// Puts the leaves that something touches into `found`. `touches` is asked for nodes, by number and box.
+    /// Puts the leaves that something touches into `found`. `touches` is called with index and box of a node.
     #[inline]
     pub fn find(&self, touches: impl Fn(usize, &Aabb) -> bool, found: &mut Vec<Leaf>) {
         found.clear();
@@ -111,7 +111,7 @@ impl BoxTree {
             true
         });
     }
-    /// Whether there is a leaf that something touches.
+    /// Whether any leaf is touched.
     #[inline]
     pub fn any(&self, touches: impl Fn(usize, &Aabb) -> bool) -> bool {
         let mut any = false;
@@ -121,13 +121,13 @@ impl BoxTree {
         });
         any
     }
-    /// Goes on as long as `each` says so.
+    /// Continues while `each` returns true.
     #[inline]
     fn walk(&self, touches: impl Fn(usize, &Aabb) -> bool, mut each: impl FnMut(Leaf) -> bool) {
         if self.order.is_empty() || !touches(0, &self.nodes[0]) {
             return;
         }
-        // One waits on each level at most; there are fewer than 32, for numbers have 32 bits.
+        // At most one waits on each level; there are fewer than 32, since indices have 32 bits.
         let mut waiting = [(0u32, 0u32, 0u32); 32];
         let mut waits = 0;
         let mut at = (0, 0, self.order.len() as u32);
