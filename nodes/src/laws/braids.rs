@@ -1,6 +1,6 @@
-//! Braids: word, crossing, how near strands come to each other and to the skin.
+//! Braids: their words and crossings, and the distances between strands and from the skin.
 //!
-//! Everything is read from curves and their columns, without the graph that made them. How hair joins braids is in `stitches.rs`.
+//! Everything is read from curves and their attributes, without the graph. How hair joins braids is in `stitches.rs`.
 
 use super::braid_spine::{BraidView, Spine};
 use super::braid_strands::{SampledBraid, StrandSample, braids};
@@ -14,58 +14,58 @@ use std::collections::BTreeMap;
 /// All braids.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Braids {
-    /// How many.
+    /// Number of braids.
     pub braids: usize,
     /// Strands of all braids.
     pub strands: usize,
-    /// Whether strands are single tubes; else they are made of hair, and their radius is that of its spread.
+    /// Whether strands are single tubes; otherwise they are made of hair, and their radius is that of its spread.
     pub tubes: bool,
     /// Largest (r_i + r_j) / distance of two strands of a braid: 1 touches, more overlaps. Strands of hair press into one
-    /// another, and what is drawn together at their ends is left out.
+    /// another; where hair is gathered at the ends, it is not counted.
     pub worst_overlap: f32,
-    /// Braids of a kind together.
+    /// Braids by kind.
     pub kinds: Vec<BraidKind>,
-    /// Braids whose crossings are not those of one weave all along.
+    /// Number of braids that are not one weave throughout.
     pub broken_words: usize,
-    /// With a scalp: lowest, middle and highest distance, cm, of the braids' middle lines from the skin.
+    /// With a scalp: lowest, median and highest distance of the braids' centre lines from the skin, cm.
     pub height_cm: Option<[f32; 3]>,
-    /// With a scalp: the smallest, over the braids the middle of the smallest, and the largest smallest distance, cm,
-    /// between skin and strands, negative where they reach into it.
+    /// With a scalp: smallest, median and largest over the braids of the smallest distance between skin and strands, cm; negative
+    /// below the skin.
     pub gap_cm: Option<[f32; 3]>,
 }
 
 /// Braids with the same crossings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BraidKind {
-    /// How many.
+    /// Number of braids.
     pub braids: usize,
-    /// Of so many strands each.
+    /// Strands of each.
     pub strands: usize,
-    /// Frequency of the weave; none: nothing is braided so.
+    /// Frequency of the weave; `None` if it is no braid.
     pub weave: Option<usize>,
-    /// One stitch's factor, a pair each from the left: whether the strand that goes right is in front.
+    /// Signs of one stitch, for each pair of strands from the left: whether the strand that goes right is in front.
     pub signs: Vec<bool>,
-    /// How strands cross at the outside; none where nothing tells the front of the braid.
+    /// How strands cross at the outside; `None` if the front of the braid is unknown.
     pub crossing: Option<Crossing>,
-    /// Fewest, middle and most stitches of a braid.
+    /// Fewest, median and most stitches of a braid.
     pub stitches: [usize; 3],
 }
 
-/// Tubes may overlap by this share of their distance.
+/// Tolerance of the overlap of tubes, relative to their distance.
 const TOUCH: f32 = 1.02;
 
 impl Braids {
-    /// Whether all are woven all along as they begin.
+    /// Whether all are one weave throughout.
     pub fn are_woven(&self) -> bool {
         self.broken_words == 0
     }
-    /// Whether no two strands overlap, but for rounding; none of strands that are no tubes.
+    /// Whether no two strands overlap, except for rounding; `None` for strands of hair.
     pub fn keep_apart(&self) -> Option<bool> {
         self.tubes.then_some(self.worst_overlap <= TOUCH)
     }
 }
 
-/// All braids of hair, or of strands that are tubes; none where there are none.
+/// All braids of hair or of tubes; `None` without any.
 pub fn measure(hair: &MeasuredHair, scalp: Option<&Scalp>) -> Option<Braids> {
     let skin = scalp.map(Scalp::skin);
     let all = braids(hair, skin.as_ref());

@@ -1,12 +1,11 @@
-//! Laws of hair, read from finished hair alone: what coif promises of grooms, measured on whatever curves there are, by whomever they
-//! were made (methods.md 0 and 2 to 6).
+//! Laws of hair: what coif promises of grooms, measured on finished hair from any source (methods.md 0 and 2 to 6).
 //!
-//! A law takes [`MeasuredHair`], curves of a groom or of a file, and where it needs one a scalp, and gives a figure; whether it holds is a
-//! question to that. What curves do not tell is not judged: the figure is none. `coif measure`, tests of nodes, and what warns of hair
-//! that was made read it here and nowhere else; nothing that makes hair does.
+//! A law takes [`MeasuredHair`], curves of a groom or of a file, and a scalp where it needs one, and returns figures; methods of
+//! the figures judge them. What curves carry no data for is `None` and is not judged. `coif measure`, tests of nodes and the
+//! warnings of evaluation use these laws and no others; nothing that makes hair does.
 //!
-//! Guarantees: the same figures for a groom and for the file that was written of it, on every machine and any number of threads. Not
-//! promised: figures of curves that are not finite.
+//! Guarantees: the same figures for a groom and for its file, on every machine and for any number of threads. Not promised:
+//! figures of curves that are not finite.
 
 mod braid_spine;
 mod braid_strands;

@@ -29,20 +29,20 @@ pub struct Parted {
     pub partings: usize,
     /// Half their width, cm: smallest and largest.
     pub half_width_cm: [f32; 2],
-    /// Hairs that cross one on the scalp.
+    /// Number of hairs that cross one on the scalp.
     pub crossing: usize,
-    /// Hairs that are rooted nearer to one than half its width.
+    /// Number of hairs rooted within half the width of one.
     pub rooted_in: usize,
 }
 
-/// Hair farther off the skin than this, cm, passes over a parting; it does not cross it.
+/// Height above the skin, cm, beyond which hair passes over a parting without crossing it.
 const ON: f32 = 0.25;
-/// Hair of a braid that does not tell where it joins counts as far as this, cm.
+/// Length, cm, up to which hair of a braid counts where it does not carry the place it joins.
 const TO_ITS_BRAID: f32 = 1.0;
-/// A root this little (cm) within a parting's width is rounding.
+/// Depth of a root within a parting's width that counts as rounding, cm.
 const ROUNDING: f32 = 0.005;
 
-/// A piece of a parting.
+/// A segment of a parting.
 #[derive(Clone, Copy)]
 struct Piece {
     from: Vec3,
@@ -51,7 +51,7 @@ struct Piece {
     half: f32,
 }
 
-/// All partings, found by place.
+/// All partings, indexed by place.
 pub struct Partings {
     count: usize,
     half: [f32; 2],
@@ -64,7 +64,7 @@ pub struct Partings {
 const CELL: f32 = 0.5;
 
 impl Partings {
-    /// The partings among all these curves; none where there are none.
+    /// The partings among all these curves; `None` without any.
     pub fn of(all: &[MeasuredHair]) -> Option<Self> {
         let mut pieces = vec![];
         let mut ids = vec![];
@@ -181,9 +181,9 @@ impl Partings {
         }
     }
 
-    /// Whether the way from `a` to `b` leads from one side of a parting to the other, on the skin.
+    /// Whether the segment from `a` to `b` crosses a parting on the skin.
     fn crossed(&self, a: Vec3, b: Vec3) -> bool {
-        // Long steps are looked at in pieces of a cell.
+        // Long segments are tested in pieces of one cell.
         let pieces = (a.distance(b) / (0.5 * CELL)).ceil().clamp(1.0, 200.0) as usize;
         (0..pieces).any(|k| {
             let at = |k: usize| a.lerp(b, k as f32 / pieces as f32);

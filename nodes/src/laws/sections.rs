@@ -1,19 +1,19 @@
-//! Hair of each section between partings.
+//! Hair by section of the scalp.
 
 use super::hair::{MeasuredHair, quantile};
 
-/// Hair of each section.
+/// Hair by section.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HairBySection {
-    /// How many have hair.
+    /// Number of sections with hair.
     pub sections: usize,
-    /// Hairs that belong to none.
+    /// Hairs without a section.
     pub without: usize,
-    /// Fewest, middle and most hairs of a section.
+    /// Fewest, median and most hairs of a section.
     pub hairs: [usize; 3],
 }
 
-/// Hairs of each section; none where no hair tells its section.
+/// Hair by section; `None` if no hair carries its section.
 pub fn measure(hair: &MeasuredHair) -> Option<HairBySection> {
     let mut section = hair.whole("section")?;
     section.sort_unstable();

@@ -1,4 +1,4 @@
-//! How hair joins braids: at which stitches, how many at each, and which at none.
+//! How hair joins braids: at which stitches, how many hairs at each, and how many at none.
 
 use super::hair::MeasuredHair;
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,21 +6,21 @@ use std::collections::{BTreeMap, BTreeSet};
 /// How hair joins braids.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joined {
-    /// Hairs that grow and join.
+    /// Growing hairs that join.
     pub grown: usize,
     /// Extension hairs fed in.
     pub fed: usize,
     /// Hairs of braids that join at no stitch.
     pub unjoined: usize,
-    /// Stitches at which hair joins, of all braids.
+    /// Number of stitches with joining hair, of all braids.
     pub stitches: usize,
-    /// Stitches between a braid's first and last with hair at which none joins.
+    /// Number of stitches without any, between a braid's first and last with some.
     pub empty_stitches: usize,
-    /// Fewest, middle and most hairs joined at a stitch where any do.
+    /// Fewest, median and most hairs that join at a stitch where any do.
     pub a_stitch: [usize; 3],
 }
 
-/// How the hair of braids joins them; none where nothing tells it.
+/// How the hair of braids joins them; `None` if it carries no stitches.
 pub fn measure(hair: &MeasuredHair) -> Option<Joined> {
     let (braid, stitch) = (hair.whole("braid")?, hair.whole("stitch")?);
     let fed = hair.whole("fed").unwrap_or_else(|| vec![0; hair.len()]);
