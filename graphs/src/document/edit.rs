@@ -21,6 +21,7 @@ use wires::{
 };
 
 mod between;
+mod effect;
 mod lists;
 mod wires;
 

@@ -336,6 +336,13 @@ impl FileEntry {
 }
 
 impl Node {
+    /// The seed it is set to, which is in the ids of its curves; `None` where it has none or the default.
+    pub fn seed(&self) -> Option<i64> {
+        match self.inputs.get("seed") {
+            Some(Setting::Known(Value::Int(seed))) => Some(*seed),
+            _ => None,
+        }
+    }
     /// Whether it gives a head.
     pub fn is_head(&self) -> bool {
         self.kind == "head"
@@ -496,14 +503,7 @@ impl Document {
             .and_then(|def| def.input("seed"))
             .is_some_and(|(_, input)| input.ty == Type::Int);
         if seeded {
-            let taken: Vec<i64> = self
-                .nodes
-                .values()
-                .filter_map(|node| match node.inputs.get("seed") {
-                    Some(Setting::Known(Value::Int(tag))) => Some(*tag),
-                    _ => None,
-                })
-                .collect();
+            let taken: Vec<i64> = self.nodes.values().filter_map(|node| node.seed()).collect();
             let mut tag = 0;
             for n in 0.. {
                 let drawn = KeyBuilder::new("seed tag").text(id.as_str()).int(n).finish().0;

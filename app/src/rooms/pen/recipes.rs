@@ -250,20 +250,13 @@ fn move_under(document: &Document, plain: &mut Document, template: &Document) {
     bends.flat_map(|(_, wires)| wires).flatten().for_each(moved);
 }
 
-fn seed_of(node: &Node) -> Option<i64> {
-    match node.inputs.get("seed") {
-        Some(Setting::Known(Value::Int(seed))) => Some(*seed),
-        _ => None,
-    }
-}
-
 fn last_seed(document: &Document) -> i64 {
-    document.nodes.values().filter_map(|node| seed_of(node)).max().unwrap_or(0).max(0)
+    document.nodes.values().filter_map(|node| node.seed()).max().unwrap_or(0).max(0)
 }
 
 /// Where a document ended with its seeds a recipe goes on.
 fn follow(node: &mut Node, after: i64) {
-    if let Some(seed) = seed_of(node) {
+    if let Some(seed) = node.seed() {
         let seed = Value::Int(seed.saturating_add(after));
         node.inputs.insert("seed".to_owned(), Setting::Known(seed));
     }
@@ -361,7 +354,7 @@ mod tests {
         assert_eq!(document.display, None, "all outputs are shown");
         let count = |kind: &str| document.nodes.values().filter(|node| node.kind == kind).count();
         assert_eq!((count("head"), count("groom_output")), (1, 3));
-        let seeds: Vec<i64> = document.nodes.values().filter_map(|node| seed_of(node)).collect();
+        let seeds: Vec<i64> = document.nodes.values().filter_map(|node| node.seed()).collect();
         assert_eq!(seeds.len(), seeds.iter().collect::<BTreeSet<_>>().len(), "{seeds:?}");
         let places: BTreeSet<String> =
             document.layout.values().map(|at| format!("{at:?}")).collect();

@@ -6,10 +6,9 @@
 use super::target;
 use crate::core::projection::Projection;
 use crate::core::state::State;
-use coif_graphs::document::{NodeId, Setting};
+use coif_graphs::document::NodeId;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::Strokes;
-use coif_nodes::define::Value;
 use coif_nodes::maths::hash::curve_id;
 use egui::{Pos2, Rect};
 use glam::Vec3;
@@ -201,13 +200,8 @@ impl Shapes {
     }
 }
 
-/// The seed of a node, which is in the ids of its curves.
 fn seed_of(state: &State, node: &NodeId) -> u64 {
-    let node = state.document.node(node.as_str());
-    match node.and_then(|node| node.inputs.get("seed")) {
-        Some(Setting::Known(Value::Int(seed))) => *seed as u64,
-        _ => 0,
-    }
+    state.document.node(node.as_str()).and_then(|node| node.seed()).unwrap_or(0) as u64
 }
 
 /// Displayed curves that strokes of the node became.
