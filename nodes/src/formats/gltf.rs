@@ -1,4 +1,4 @@
-//! glTF 2.0 meshes in: `.gltf` and `.glb`, told apart by their first bytes.
+//! Reading glTF 2.0 meshes: `.gltf` and `.glb`, distinguished by their first bytes.
 //!
 //! Reads the meshes of the default scene with the transforms of their nodes: triangles, strips and
 //! fans, uvs, vertex colours, names of materials and of nodes. Skins are evaluated at the pose that
@@ -39,7 +39,7 @@ use primitive::{Primitive, PrimitiveKind};
 use scene::{Draw, SceneSource};
 use skin::Skins;
 
-/// Extensions a file may require without our help: none of them moves or hides a triangle.
+/// Extensions that a file may require and that need no support: none of them moves or hides a triangle.
 const HARMLESS: &[&str] = &[
     "KHR_materials_",
     "KHR_texture_",
@@ -51,10 +51,10 @@ const HARMLESS: &[&str] = &[
     "KHR_animation_pointer",
 ];
 
-/// Extensions we follow.
+/// Supported extensions.
 const KNOWN: &[&str] = &["KHR_mesh_quantization", "KHR_node_visibility"];
 
-/// Reads a `.gltf` or `.glb`; `side` gives the bytes of files beside it, by relative name.
+/// Reads a `.gltf` or `.glb`; `side` returns the bytes of files beside it, by relative name.
 ///
 /// Errors name the byte of the container, line and column of the JSON, or the object, as in
 /// `accessors[3]`.
@@ -62,12 +62,12 @@ pub fn read(bytes: &[u8], side: Side) -> Result<Mesh, MeshError> {
     read_as(bytes, side, Take::default())
 }
 
-/// What is read where there are several.
+/// What to read where a file has several.
 #[derive(Clone, Copy, Debug, Default)]
 struct Take {
     /// The set of uvs.
     uv_set: u32,
-    /// Materials go by their numbers instead of their names, of which some may be the same.
+    /// Whether materials are identified by number instead of name, since names may repeat.
     numbered: bool,
 }
 
@@ -90,7 +90,7 @@ fn read_as(bytes: &[u8], side: Side, take: Take) -> Result<Mesh, MeshError> {
         materials: NameTable::default(),
         parts: NameTable::default(),
     };
-    // The scene, or what stands in for it where it shows no triangle.
+    // The scene, or a substitute if it has no triangles.
     for plan in SceneSource::of(&tables)? {
         let mut total = Total::default();
         scene::walk(&tables, plan, &mut |draw| total.add(&tables, draw, &mut budget))?;
@@ -106,8 +106,8 @@ fn read_as(bytes: &[u8], side: Side, take: Take) -> Result<Mesh, MeshError> {
     Err(MeshError::at("file", format!("no triangles in its {n} meshes")))
 }
 
-/// The files beside a `.gltf` that [`read`] may ask for: its buffers, not its pictures. Relative
-/// names, each once; none where the bytes are no glTF, and none that [`read`] would refuse.
+/// The files beside a `.gltf` that [`read`] may ask for: its buffers, not its pictures. Relative names, without duplicates; none
+/// if the bytes are no glTF, and none that [`read`] would refuse.
 pub fn side_files(bytes: &[u8]) -> Vec<String> {
     let Ok(parts) = glb::split(bytes) else { return Vec::new() };
     let Ok(doc) = Doc::parse(parts.json, &mut Budget::new(bytes.len())) else { return Vec::new() };
@@ -154,7 +154,7 @@ fn unread_extension(place: &str, name: &str) -> MeshError {
     MeshError::at(place, format!("{name} is not read: export the mesh without it"))
 }
 
-/// The arrays of the document that others refer into by number.
+/// Arrays of the document whose items are referred to by index.
 #[derive(Debug)]
 struct Tables<'a> {
     doc: &'a Doc<'a>,
@@ -187,7 +187,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// Where each item of an array stands in the document.
+/// Position of each item of an array in the document.
 #[derive(Debug)]
 struct Table<'a> {
     doc: &'a Doc<'a>,
@@ -212,7 +212,7 @@ impl<'a> Table<'a> {
         self.at.len()
     }
 
-    /// An item, which something at `from` refers to.
+    /// An item that something at `from` refers to.
     fn item(&self, number: u32, from: &str) -> Result<JsonValue<'a>, MeshError> {
         let key = self.key;
         let Some(at) = self.at.get(number as usize) else {
@@ -231,7 +231,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A whole number from 0; `default` where it may be missing.
+/// A non-negative integer; `default` if it is optional and missing.
 fn whole_or(
     object: JsonValue,
     key: &str,
@@ -247,7 +247,7 @@ fn whole_or(
     }
 }
 
-/// The number of another object, or nothing where none is named.
+/// The index of another object, or `None`.
 fn index_or(object: JsonValue, key: &str, place: &str) -> Result<Option<u32>, MeshError> {
     let Some(value) = object.get(key) else { return Ok(None) };
     let index = value.whole().and_then(|n| u32::try_from(n).ok());
@@ -256,12 +256,12 @@ fn index_or(object: JsonValue, key: &str, place: &str) -> Result<Option<u32>, Me
     Ok(Some(index.ok_or_else(wrong)?))
 }
 
-/// A name that is not empty.
+/// A non-empty name.
 fn name_of(object: JsonValue<'_>) -> Option<&str> {
     object.get("name").and_then(JsonValue::text).filter(|name| !name.is_empty())
 }
 
-/// How much there will be of everything, before any of it is allocated.
+/// Counts everything before any of it is allocated.
 #[derive(Debug, Default)]
 struct Total {
     points: u64,
@@ -277,7 +277,7 @@ impl Total {
             budget.take(&draw.place, 32 + name.len() as u64)?;
         }
         for primitive in Primitive::all(tables, draw.mesh)? {
-            // About what a primitive costs even where nothing has to be walked over.
+            // Approximate cost of a primitive that needs no decoding.
             tables.doc.tire(20)?;
             let PrimitiveKind::Triangles(primitive) = primitive? else { continue };
             if let Some((_, name)) = &primitive.material {
