@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
 /// One template.
-pub(crate) struct Entry {
+pub(crate) struct LibraryEntry {
     /// What it says of itself.
     pub(crate) origin: Origin,
     /// What people call it.
@@ -55,15 +55,15 @@ pub(crate) fn called(number: usize, folder: &Path) -> String {
 }
 
 /// Every template that is found, and what is wrong with files that are none.
-pub(crate) fn all() -> (Vec<Entry>, Vec<String>) {
+pub(crate) fn all() -> (Vec<LibraryEntry>, Vec<String>) {
     in_folders(&folders(&Places::here()))
 }
 
-fn in_folders(folders: &[PathBuf]) -> (Vec<Entry>, Vec<String>) {
+fn in_folders(folders: &[PathBuf]) -> (Vec<LibraryEntry>, Vec<String>) {
     let (mut found, mut wrong) = (vec![], vec![]);
-    let mut add = |read: Result<Entry, String>, shown: &str| match read {
+    let mut add = |read: Result<LibraryEntry, String>, shown: &str| match read {
         Ok(entry) => {
-            let same = |known: &Entry| {
+            let same = |known: &LibraryEntry| {
                 known.origin.name == entry.origin.name
                     && known.origin.version == entry.origin.version
             };
@@ -90,7 +90,7 @@ fn in_folders(folders: &[PathBuf]) -> (Vec<Entry>, Vec<String>) {
 ///
 /// # Errors
 /// It is none.
-pub(crate) fn shipped(text: &str) -> Result<Entry, String> {
+pub(crate) fn shipped(text: &str) -> Result<LibraryEntry, String> {
     of_text(text.as_bytes(), None)
 }
 
@@ -127,7 +127,7 @@ fn fault(folder: &Path) -> Option<String> {
 ///
 /// # Errors
 /// It cannot be read, or is no template.
-pub(crate) fn read(path: &Path) -> Result<Entry, String> {
+pub(crate) fn read(path: &Path) -> Result<LibraryEntry, String> {
     let about = std::fs::metadata(path).map_err(|err| err.to_string())?;
     if !about.is_file() || about.len() > MOST_BYTES {
         return Err("is no file of at most 16 MiB, as templates are".to_owned());
@@ -139,7 +139,7 @@ pub(crate) fn read(path: &Path) -> Result<Entry, String> {
 ///
 /// # Errors
 /// It is none.
-pub(crate) fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, String> {
+pub(crate) fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<LibraryEntry, String> {
     let loaded = file::read_bytes(bytes).map_err(|err| err.to_string())?;
     // A template of which something would be left out is another template.
     if let Some(said) = loaded.conflicts.first().or(loaded.warnings.first()) {
@@ -157,7 +157,7 @@ pub(crate) fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, Stri
         return Err("the template has no name".to_owned());
     }
     let (title, description) = (document.name_of(&group).into_owned(), node.note.clone());
-    Ok(Entry {
+    Ok(LibraryEntry {
         hash: template::hash(&document, &group),
         origin,
         title,
@@ -171,7 +171,7 @@ pub(crate) fn of_text(bytes: &[u8], path: Option<PathBuf>) -> Result<Entry, Stri
 ///
 /// # Errors
 /// There is none.
-pub(crate) fn find(named: &str) -> Result<Entry, String> {
+pub(crate) fn find(named: &str) -> Result<LibraryEntry, String> {
     let path = Path::new(named);
     if path.is_file() {
         return read(path).map_err(|why| format!("{named}: {why}"));
@@ -179,7 +179,7 @@ pub(crate) fn find(named: &str) -> Result<Entry, String> {
     let (name, version) = named.split_once('@').map_or((named, None), |(name, v)| (name, Some(v)));
     let (all, _) = all();
     let known: Vec<String> = all.iter().map(|entry| entry.origin.name.clone()).collect();
-    let fits = |entry: &Entry| {
+    let fits = |entry: &LibraryEntry| {
         entry.origin.name == name && version.is_none_or(|version| entry.origin.version == version)
     };
     let newest = all.into_iter().filter(fits).reduce(|a, b| {

@@ -22,7 +22,7 @@ mod add;
 /// The kind of node that gives hair to files.
 const OUTPUT: &str = "groom_output";
 
-pub use add::{Added, Place, add};
+pub use add::{Added, Placement, add};
 
 /// The group of a document that a template is made of: its marked one, where there is exactly one outside of all groups.
 ///
@@ -161,7 +161,7 @@ pub enum Fate {
 
 /// One override and its fate.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Told {
+pub struct OverrideOutcome {
     /// The port, as it was called.
     pub port: String,
     /// What was set, or wired from where, in short.
@@ -170,7 +170,7 @@ pub struct Told {
     pub fate: Fate,
 }
 
-impl fmt::Display for Told {
+impl fmt::Display for OverrideOutcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { port, value, fate } = self;
         match fate {
@@ -188,7 +188,7 @@ pub struct Upgrade {
     /// The edit that does it.
     pub edit: Edit,
     /// Every override, in the order of their names.
-    pub told: Vec<Told>,
+    pub overrides: Vec<OverrideOutcome>,
     /// The instance was changed inside: that is lost.
     pub changed_inside: bool,
 }
@@ -282,7 +282,11 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
             }
             Some(port) => settled(port, name, setting, &mut new),
         };
-        told.push(Told { port: name.clone(), value: coif_nodes::define::short(&value), fate });
+        told.push(OverrideOutcome {
+            port: name.clone(),
+            value: coif_nodes::define::short(&value),
+            fate,
+        });
     }
     for (to, wires) in document.links.iter().filter(|(to, _)| to.node == *id) {
         let from: Vec<String> = wires.iter().map(Socket::to_string).collect();
@@ -300,7 +304,7 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
                 moved(port, &to.name)
             }
         };
-        told.push(Told { port: to.name.to_string(), value: from.join(", "), fate });
+        told.push(OverrideOutcome { port: to.name.to_string(), value: from.join(", "), fate });
     }
     // What takes from the instance.
     for (to, wires) in &document.links {
@@ -323,7 +327,11 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
                 }
                 None => Fate::Lost { why: "there is no such output any more".to_owned() },
             };
-            told.push(Told { port: wire.name.to_string(), value: format!("wired to {to}"), fate });
+            told.push(OverrideOutcome {
+                port: wire.name.to_string(),
+                value: format!("wired to {to}"),
+                fate,
+            });
         }
         match kept.is_empty() {
             true => drop(after.links.remove(to)),
@@ -335,7 +343,7 @@ pub fn upgrade(document: &Document, id: &NodeId, template: &Document) -> Result<
         after.display.filter(|shown| !inside.contains(shown) || after.nodes.contains_key(shown));
     after.settle();
     let changed_inside = !is_as_made(document, id, origin);
-    Ok(Upgrade { edit: between(document, &after), told, changed_inside })
+    Ok(Upgrade { edit: between(document, &after), overrides: told, changed_inside })
 }
 
 /// Puts a value on its port, as far as it fits.

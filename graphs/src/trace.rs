@@ -52,7 +52,7 @@ impl Part {
     }
 
     /// What it is in a document, in words: "node", "stroke 7, the 3rd of 14", "gesture 5 (comb), the 1st of 2".
-    pub fn told(&self, document: &Document) -> String {
+    pub fn describe(&self, document: &Document) -> String {
         let Part::Drawn { node, input, id } = self else { return "node".to_owned() };
         let value = document.node(node.as_str()).and_then(|node| node.inputs.get(input));
         let Some(Setting::Known(value)) = value else { return format!("{input} {id}") };
@@ -126,7 +126,7 @@ pub enum NotTraced {
 
 /// How far a trace is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Progress {
+pub struct TraceProgress {
     /// Evaluations that are done.
     pub evaluations: usize,
     /// Parts of which it is not known yet whether they made the hair.
@@ -156,7 +156,7 @@ pub fn trace(
     outputs: &[Socket],
     hair: u64,
     (evaluator, cancel): (&Evaluator, &CancelToken),
-    tell: &mut dyn FnMut(Progress),
+    tell: &mut dyn FnMut(TraceProgress),
 ) -> Result<Traced, NotTraced> {
     let (output, before) = find(groom, outputs, hair, evaluator, cancel)?;
     let parts = parts(groom, &output)?;
@@ -168,7 +168,7 @@ pub fn trace(
         evaluator,
         cancel,
         tell,
-        progress: Progress { evaluations: 1, open: parts.len(), of: parts.len() },
+        progress: TraceProgress { evaluations: 1, open: parts.len(), of: parts.len() },
         parts,
     };
     let found = search.found()?;
@@ -370,8 +370,8 @@ struct Search<'a> {
     before: Vec<u32>,
     evaluator: &'a Evaluator,
     cancel: &'a CancelToken,
-    tell: &'a mut dyn FnMut(Progress),
-    progress: Progress,
+    tell: &'a mut dyn FnMut(TraceProgress),
+    progress: TraceProgress,
     parts: Vec<Part>,
 }
 

@@ -3,7 +3,7 @@
 
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::field::Field;
-use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use coif_nodes::data::gestures::{Gesture, GestureView, Gestures, Layer, PenSample, Tool};
 use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
@@ -68,7 +68,7 @@ fn gesture(id: u64, tool: Tool, samples: u64) -> Gesture {
         id,
         tool,
         layer: if tool == Tool::Implant { Layer::Scalp } else { Layer::Through },
-        view: View {
+        view: GestureView {
             eye: Vec3::new(0.0, 10.0, 60.0),
             target: Vec3::ZERO,
             up: Vec3::Y,

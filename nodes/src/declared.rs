@@ -1,11 +1,10 @@
-//! Nodes that documents declare: groups, their borders, and the parameters of a graph.
+//! Nodes declared by documents: groups, their borders, and the parameters of a graph.
 //!
-//! What the editor and the scheduler know of a node is its [`NodeDef`]. Those of our own nodes are in the program; these are
-//! made from a list of [`Port`]s that a document holds. Each is made once for a list and kept for good, so an
-//! [`Interface`] is a pointer, and two are the same when their lists are. What is kept is no more than the lists that were
-//! ever read or made in this run.
+//! Editor and scheduler see a node by its [`NodeDef`]. Those of built-in nodes are static; these are made from the list of
+//! [`Port`]s in a document. Each list is made into definitions once and kept for good, so an [`Interface`] is a pointer, and two
+//! are equal when their lists are. Memory holds only lists that were read or made in this run.
 //!
-//! None of these nodes runs: a plan leads through them, from what is wired or set outside to what reads it inside.
+//! None of these nodes runs: a plan replaces them by the wires and values that pass through.
 
 use crate::data::field::Field;
 use crate::define::{
@@ -17,50 +16,50 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
-/// A node that holds others.
+/// Kind of a node that contains others.
 pub const GROUP: &str = "group";
-/// Within a group: what comes in.
+/// Kind of a group's inner node with its inputs.
 pub const GROUP_INPUT: &str = "group_input";
-/// Within a group: what goes out.
+/// Kind of a group's inner node with its outputs.
 pub const GROUP_OUTPUT: &str = "group_output";
-/// Values with names, which many nodes read.
+/// Kind of the node with named values that other nodes read.
 pub const PARAMETERS: &str = "parameters";
 
-/// The kinds of node whose inputs and outputs a document declares.
+/// Kinds of nodes whose inputs and outputs are declared by documents.
 pub const KINDS: [&str; 4] = [GROUP, GROUP_INPUT, GROUP_OUTPUT, PARAMETERS];
 
-/// The most ports of one side of an interface.
+/// Largest number of ports on one side of an interface.
 pub const MOST_PORTS: usize = 256;
-/// The longest name of a port, in bytes.
+/// Largest length of a port's name, bytes.
 pub const LONGEST_NAME: usize = 64;
 
 /// One input or output of an interface.
 #[derive(Clone, Debug)]
 pub struct Port {
-    /// `[a-z][a-z0-9_]*`, at most 64 bytes; one of its own on its side.
+    /// `[a-z][a-z0-9_]*`, at most 64 bytes; unique on its side.
     pub name: String,
-    /// Names that it had before, in older versions of a template.
+    /// Former names, in older versions of a template.
     pub was: Vec<String>,
     /// Tooltip; may be empty.
     pub doc: String,
-    /// What it carries.
+    /// Its type.
     pub ty: Type,
-    /// How many values it takes; of outputs always one.
+    /// Number of values it takes; one for outputs.
     pub arity: Arity,
-    /// What it has where nothing is set or wired. Where there is none, what reads it has its own default.
+    /// Value if nothing is set or wired; without one, readers use their own defaults.
     pub default: Option<Value>,
-    /// Numbers outside are clamped.
+    /// Hard range of numbers.
     pub hard: Option<(f64, f64)>,
-    /// Where the slider ends.
+    /// Range of the slider.
     pub soft: Option<(f64, f64)>,
-    /// What a number counts.
+    /// Unit of a number.
     pub unit: Unit,
-    /// The heading that opens with it in the inspector; what follows belongs there too. Empty for none.
+    /// Heading in the inspector that starts with this port; empty for none.
     pub section: String,
 }
 
 impl Port {
-    /// A port of that name and type, of which nothing more is said.
+    /// A port with this name and type, and defaults for the rest.
     pub fn new(name: &str, ty: Type) -> Self {
         Self {
             name: name.to_owned(),
@@ -76,7 +75,7 @@ impl Port {
         }
     }
 
-    /// A port that says of a value what the input `of` says of it.
+    /// A port with the name `name`, described like the input `of`.
     pub fn like(name: &str, of: &InputDef) -> Self {
         let arity =
             if of.arity == Arity::One && of.has_default() { Arity::Optional } else { of.arity };
@@ -114,13 +113,13 @@ impl Port {
         }
     }
 
-    /// A value within the range of the port: numbers, and the stops of ramps.
+    /// A value clamped to the range of the port: numbers, and the stops of ramps.
     pub fn clamped(&self, value: Value) -> Value {
         clamped(self.hard, value)
     }
 }
 
-/// A value with its numbers, and the stops of its ramps, within a range.
+/// A value with its number, or the stops of its ramp, clamped to a range.
 pub fn clamped(range: Option<(f64, f64)>, value: Value) -> Value {
     let Some((lo, hi)) = range else { return value };
     let (lo32, hi32) = (lo as f32, hi as f32);
@@ -136,26 +135,26 @@ pub fn clamped(range: Option<(f64, f64)>, value: Value) -> Value {
     }
 }
 
-/// Why a list of ports is no interface.
+/// Why a list of ports is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadInterface {
-    /// A name that is none.
+    /// An invalid name.
     #[error(
         "{0:?} is no name of a port: use a lower case letter, then letters, digits and underscores, at most 64"
     )]
     Name(String),
-    /// Two of one name.
+    /// A duplicate name.
     #[error("two ports are called {0}: give each a name of its own")]
     Twice(String),
-    /// Too many.
+    /// Too many ports.
     #[error("there are {0} ports, and at most 256 can be")]
     TooMany(usize),
-    /// A default or a range that cannot be.
+    /// An invalid default or range.
     #[error("{0}: {1}")]
     Bad(String, String),
 }
 
-/// What a group takes and gives, or the parameters of a graph: a pointer to what is made of it once.
+/// Inputs and outputs of a group, or the parameters of a graph: a pointer to their definitions.
 #[derive(Clone, Copy)]
 pub struct Interface(&'static Declared);
 
@@ -187,16 +186,16 @@ impl fmt::Debug for Interface {
 impl Default for Interface {
     /// Without ports.
     fn default() -> Self {
-        // Nothing is wrong with no port.
+        // An empty list is valid.
         Self::new(vec![], vec![]).unwrap_or_else(|_| unreachable!())
     }
 }
 
 impl Interface {
-    /// The interface of these ports.
+    /// The interface with these ports.
     ///
     /// # Errors
-    /// A name that is none or stands twice, more than 256 ports on a side, a range that ends before it begins.
+    /// An invalid or duplicate name, more than 256 ports on a side, or a range that ends before it begins.
     pub fn new(inputs: Vec<Port>, outputs: Vec<Port>) -> Result<Self, BadInterface> {
         prove(&inputs)?;
         prove(&outputs)?;
@@ -209,7 +208,7 @@ impl Interface {
         ))
     }
 
-    /// The same without what is for people alone: tooltips, headings, where sliders end, names of before.
+    /// The same without texts for people: tooltips, headings, slider ranges and former names.
     pub fn without_words(self) -> Self {
         let bare = |ports: &[Port]| -> Vec<Port> {
             let bare = |port: &Port| Port {
@@ -221,23 +220,23 @@ impl Interface {
             };
             ports.iter().map(bare).collect()
         };
-        // Nothing that was right is wrong with less.
+        // A subset of a valid list is valid.
         Self::new(bare(self.inputs()), bare(self.outputs())).unwrap_or(self)
     }
 
-    /// What it takes.
+    /// The inputs.
     pub fn inputs(self) -> &'static [Port] {
         &self.0.inputs
     }
-    /// What it gives.
+    /// The outputs.
     pub fn outputs(self) -> &'static [Port] {
         &self.0.outputs
     }
-    /// The hash of all that it says.
+    /// Hash of the whole interface.
     pub fn key(self) -> Key {
         self.0.key
     }
-    /// The declaration of a node of a kind of [`KINDS`] with this interface; none for other kinds.
+    /// The definition of a node of a kind in [`KINDS`] with this interface; `None` for other kinds.
     pub fn def(self, kind: &str) -> Option<&'static NodeDef> {
         match kind {
             GROUP => Some(&self.0.group),
@@ -249,7 +248,7 @@ impl Interface {
     }
 }
 
-/// Whether it can be the name of a port.
+/// Whether this is a valid name of a port.
 pub fn is_name(name: &str) -> bool {
     let first = name.starts_with(|c: char| c.is_ascii_lowercase());
     let rest = name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
@@ -283,7 +282,7 @@ fn prove(ports: &[Port]) -> Result<(), BadInterface> {
     Ok(())
 }
 
-/// A text that is kept for good, each once.
+/// A text that is kept for good, once.
 fn kept(text: &str) -> &'static str {
     static KNOWN: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -295,7 +294,7 @@ fn kept(text: &str) -> &'static str {
     kept
 }
 
-/// The type of a choice among words, each with its explanation.
+/// The type of a choice among these words, each with its doc.
 pub fn choice(words: &[(String, String)]) -> Type {
     static KNOWN: Mutex<BTreeSet<&'static [(&'static str, &'static str)]>> =
         Mutex::new(BTreeSet::new());
@@ -384,7 +383,7 @@ fn declare(inputs: Vec<Port>, outputs: Vec<Port>, key: Key) -> Declared {
     }
 }
 
-/// Plans lead through these nodes; one that has one as a step is wrong.
+/// Plans never contain these nodes as steps.
 fn not_run(_: &EvalCx, _: &[Vec<Value>]) -> Result<Vec<Value>, NodeError> {
     Err(NodeError::failed("a group is not run itself, but the nodes in it"))
 }

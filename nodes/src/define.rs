@@ -1,8 +1,8 @@
 //! How a node describes itself: one `node!` block and one `eval`.
 //!
-//! The block turns doc comments into tooltips and the manual, defaults and ranges into widgets, and names into typed
-//! `Inputs` and `Outputs`, so a name is written once. Every parameter is an input: it has a value, or a wire.
-//! Ids are chosen by hand and stored in documents; they never change.
+//! The block turns doc comments into tooltips and the manual, defaults and ranges into widgets, and names into typed `Inputs` and
+//! `Outputs`, so every name is written once. Every parameter is an input: it has a value or a wire. Ids are chosen by hand and
+//! stored in documents; they never change.
 
 use crate::data::curves::Curves;
 use crate::data::field::Field;
@@ -21,75 +21,74 @@ pub use crate::error::{NodeError, short};
 
 /// A node as the editor, the scheduler, the file format and the manual see it.
 pub struct NodeDef {
-    /// What documents store. Chosen once, never changed.
+    /// Id stored in documents; never changes.
     pub id: &'static str,
-    /// Goes up when old values mean something else; part of every key.
+    /// Raised when old values change meaning; part of every key.
     pub version: u32,
-    /// What the menu shows.
+    /// Label in menus.
     pub label: &'static str,
-    /// What people of the trade call it, for the search.
+    /// Search terms: names in the trade and in other tools.
     pub words: &'static str,
     doc: &'static [&'static str],
-    /// Makes fewer strands in preview quality, so that quality is in its keys.
+    /// Makes fewer strands in preview quality, so its keys include the quality.
     pub thins: bool,
-    /// Its lengths grow with the head, where its input [`SCALES`] is on.
+    /// Its lengths grow with the head while its input [`SCALES`] is on.
     pub scales: bool,
-    /// Values and wires in.
+    /// Inputs.
     pub inputs: &'static [InputDef],
-    /// Wires out.
+    /// Outputs.
     pub outputs: &'static [OutputDef],
-    /// The node itself: the values of each input in order, several where the input takes many, none where
-    /// nothing is set or wired. Same arguments, same result.
+    /// The function: values of each input in order; several for inputs with many wires, none for unset ones. A pure function.
     pub run: fn(&EvalCx, &[Vec<Value>]) -> Result<Vec<Value>, NodeError>,
 }
 
-/// The input by which a node that can let its lengths grow with the head is told to.
+/// Id of the input that lets a node's lengths grow with the head.
 pub const SCALES: &str = "scale_with_head";
 
-/// One input: its type, default, limits, unit and tooltip.
+/// One input: type, default, limits, unit and tooltip.
 pub struct InputDef {
-    /// Stored in documents.
+    /// Id stored in documents.
     pub name: &'static str,
-    /// Names it had in older documents.
+    /// Former ids, still read from older documents.
     pub old_names: &'static [&'static str],
     doc: &'static [&'static str],
-    /// What it takes.
+    /// Its type.
     pub ty: Type,
-    /// How many it takes.
+    /// Number of values it takes.
     pub arity: Arity,
     preset: Preset,
-    /// Values outside are clamped with a warning, typed or wired.
+    /// Hard range: typed and wired values are clamped to it with a warning.
     pub hard: Option<(f64, f64)>,
-    /// Where the slider ends; typing can go further, up to `hard`.
+    /// Range of the slider; typed values may go beyond, up to `hard`.
     pub soft: Option<(f64, f64)>,
-    /// What the number counts.
+    /// Unit of the number.
     pub unit: Unit,
-    /// A true size, whatever the head: it never grows with it.
+    /// A true size that never grows with the head.
     pub fixed: bool,
-    /// What people of the trade call it, for the search.
+    /// Search terms: names in the trade and in other tools.
     pub words: &'static str,
-    /// What its file holds; none where it takes no file.
+    /// Content of its file; `None` for inputs without a file.
     pub holds: Option<Holds>,
-    /// How it can be dragged in the viewport.
+    /// Its handle in the viewport.
     pub handle: Option<Handle>,
-    /// Whether it counts for nothing beside what else the node is set to, and why.
+    /// Returns why the input has no effect beside the node's other values, if it has none.
     pub idle: Option<Idle>,
-    /// The group that opens with it; what follows belongs there too.
+    /// The group that starts with this input.
     pub opens: Option<Group>,
 }
 
-/// Where the value of a fresh node comes from.
+/// Default of an input.
 #[derive(Clone, Copy)]
 pub(crate) enum Preset {
-    /// It must be wired or may be missing.
+    /// Required, or optional and unset.
     None,
-    /// As a node of ours writes it.
+    /// As written in `node!`.
     Made(fn() -> Value),
-    /// As a document declares it.
+    /// As declared by a document.
     Is(&'static Value),
 }
 
-/// What a file that an input names holds: by which reader it is read.
+/// Content of a file, which selects its reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holds {
     /// A mesh ([`crate::formats::read_mesh`]).
@@ -98,31 +97,31 @@ pub enum Holds {
     Picture,
 }
 
-/// What the inputs of a node are grouped by. Those before the first group are what one uses most.
+/// Groups of inputs. The most used inputs come first and have no group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Group {
-    /// Where it is, and how it lies on the skin.
+    /// Position, and how it lies on the skin.
     Placement,
-    /// The way and the form that it takes.
+    /// Direction and shape.
     Shape,
-    /// What its ends do.
+    /// Shape of root and tip.
     RootAndTip,
-    /// Where and how it is tied.
+    /// Ties and bands.
     Tie,
-    /// What hair has in common with its neighbours.
+    /// Clumping with neighbours.
     Clumping,
-    /// How thick hair is, and what makes it thicker.
+    /// Width, radius and volume.
     Thickness,
-    /// How finely it is made, and whether it grows with the head.
+    /// Number of CVs, tolerances, and whether lengths grow with the head.
     Detail,
-    /// What differs from one to the next.
+    /// Random variation.
     Randomness,
-    /// What a document declares.
+    /// Declared by a document.
     Declared(&'static str),
 }
 
 impl Group {
-    /// What the inspector and the manual call it.
+    /// Label in the inspector and the manual.
     pub fn name(self) -> &'static str {
         match self {
             Group::Placement => "Placement",
@@ -136,16 +135,17 @@ impl Group {
             Group::Declared(name) => name,
         }
     }
-    /// Whether it is seldom wanted: the inspector has it closed at first.
+    /// Whether it is collapsed at first, being rarely needed.
     pub fn rare(self) -> bool {
         self == Group::Detail
     }
 }
 
-/// Given a node's values by input (none: unset, or not known before it runs), why an input counts for nothing now.
+/// Given a node's values by input (`None`: unset, or unknown before the node runs), returns why an input has no effect, if it has
+/// none.
 pub type Idle = fn(&dyn Fn(&str) -> Option<Value>) -> Option<&'static str>;
 
-/// The reason, where a choice is another than `word`.
+/// The reason, if a choice has a value other than `word`.
 pub(crate) fn unless(
     of: &dyn Fn(&str) -> Option<Value>,
     choice: &str,
@@ -157,48 +157,48 @@ pub(crate) fn unless(
 
 /// One output.
 pub struct OutputDef {
-    /// Stored in documents.
+    /// Id stored in documents.
     pub name: &'static str,
     doc: &'static [&'static str],
-    /// What it gives.
+    /// Its type.
     pub ty: Type,
 }
 
-/// How many values an input takes.
+/// Number of values an input takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arity {
     /// Exactly one: a value or a wire.
     One,
-    /// A value, a wire, or nothing: unset has a meaning of its own, which the input's doc states.
+    /// At most one. Unset has a meaning of its own, given in the input's doc.
     Optional,
     /// Any number of wires, in the document's order.
     Many,
 }
 
-/// What an input takes or an output gives.
+/// Type of an input or output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
-    /// On or off.
+    /// Boolean.
     Bool,
-    /// A whole number.
+    /// Integer.
     Int,
-    /// A number.
+    /// Number.
     Float,
     /// A number that may vary over the hair.
     Field,
-    /// A position or direction.
+    /// Position or direction.
     Vec3,
-    /// Linear Rec.709.
+    /// Linear Rec.709 colour.
     Colour,
-    /// Words.
+    /// Text.
     Text,
-    /// One of a few words, each with its explanation.
+    /// One of several words, each with its doc.
     Choice(&'static [(&'static str, &'static str)]),
-    /// The path of a file, relative to the document.
+    /// Path of a file, relative to the document.
     File,
-    /// A number along something.
+    /// Ramp.
     Ramp,
-    /// Cross-sections in tiers.
+    /// Profiles in tiers.
     Shapes,
     /// Pen strokes.
     Strokes,
@@ -211,7 +211,7 @@ pub enum Type {
 }
 
 impl Type {
-    /// The type's name in messages and the manual.
+    /// Name of the type in messages and the manual.
     pub fn name(self) -> &'static str {
         match self {
             Type::Bool => "true or false",
@@ -249,29 +249,29 @@ impl Type {
     }
 }
 
-/// What a number counts. Documents store cm and degrees; functions use radians inside.
+/// Unit of a number. Documents store cm and degrees; functions use radians internally.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Plain number.
     None,
-    /// 0 to 1, shown as a percentage.
+    /// Fraction, shown as a percentage.
     Ratio,
-    /// Centimetres; a field under 1 cm shows millimetres.
+    /// Centimetres; fields below 1 cm show millimetres.
     Length,
     /// Degrees.
     Angle,
-    /// A number of things.
+    /// Count.
     Count,
-    /// Things in a centimetre.
+    /// Count per centimetre.
     PerCm,
-    /// Things in a square centimetre.
+    /// Count per square centimetre.
     PerCm2,
-    /// Degrees in a centimetre.
+    /// Degrees per centimetre.
     AnglePerCm,
 }
 
 impl Unit {
-    /// The unit after a number, with a space before it; empty for plain numbers.
+    /// The unit after a number, with a leading space; empty for plain numbers.
     pub fn suffix(self) -> &'static str {
         match self {
             Unit::Length => " cm",
@@ -284,37 +284,37 @@ impl Unit {
     }
 }
 
-/// How an input can be dragged in the viewport.
+/// Handle of an input in the viewport.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Handle {
     /// A point in space or on the scalp.
     Point,
-    /// A circle whose radius is the value.
+    /// A circle of this radius.
     Radius,
-    /// The circle of a ball whose middle the node's curves carry (`puff_centre`).
+    /// The circle of a ball whose centre the node's curves carry (`puff_centre`).
     Ball,
-    /// The height of something over the scalp or along a curve.
+    /// A height above the scalp or along a curve.
     Length,
-    /// An arc.
+    /// An angle, as an arc.
     Angle,
     /// A position along the source curve.
     Along,
 }
 
-/// A file that a document names, read by the scheduler.
+/// A file named by a document, read by the scheduler.
 #[derive(Debug)]
 pub struct FileData {
-    /// As the document has it, for messages.
+    /// Path as in the document, for messages.
     pub path: String,
-    /// Lower case, without the dot.
+    /// Extension, in lower case, without the dot.
     pub extension: String,
-    /// The content.
+    /// Content.
     pub bytes: Arc<[u8]>,
-    /// Files that it refers to, by the name it uses.
+    /// Files that it refers to, by the names it uses.
     pub sides: BTreeMap<String, Arc<[u8]>>,
 }
 
-/// What a wire carries or an input holds. Cheap to clone.
+/// Value on a wire or of an input. Cheap to clone.
 #[derive(Clone, Debug)]
 pub enum Value {
     /// See [`Type::Bool`].
@@ -346,7 +346,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// What the value is, in words.
+    /// The value in words.
     pub fn type_name(&self) -> &'static str {
         match self {
             Value::Bool(_) => Type::Bool.name(),
@@ -364,7 +364,7 @@ impl Value {
             Value::Scalp(_) => Type::Scalp.name(),
         }
     }
-    /// Hash of the content. A file counts as its bytes, never as its path.
+    /// Hash of the content. A file counts by its bytes, never by its path.
     pub fn key(&self) -> Key {
         match self {
             Value::Bool(b) => KeyBuilder::new("bool").int(u64::from(*b)).finish(),
@@ -391,8 +391,7 @@ impl Value {
             Value::Scalp(scalp) => scalp.key(),
         }
     }
-    /// Why the value cannot be used, whatever input it is for; none when it can. NaN and infinities are
-    /// refused here, before anything runs.
+    /// Why the value is invalid for any input; `None` if it is valid. NaN and infinities are rejected here, before anything runs.
     pub fn fault(&self) -> Option<String> {
         let finite = match self {
             Value::Float(x) => x.is_finite(),
@@ -405,7 +404,7 @@ impl Value {
         };
         (!finite).then(|| "not a finite number".to_owned())
     }
-    /// Bytes held by what the value points to.
+    /// Memory that the value points to, bytes.
     pub fn bytes(&self) -> usize {
         match self {
             Value::Curves(curves) => curves.bytes(),
@@ -446,19 +445,19 @@ values! {
     Arc<Scalp> => |x| Value::Scalp(x);
 }
 
-/// A Rust type that an input can have.
+/// A Rust type of inputs.
 pub trait Input: Sized {
     /// The type in documents.
     const TYPE: Type;
-    /// How many values it takes.
+    /// Number of values it takes.
     const ARITY: Arity = Arity::One;
-    /// Reads what is set or wired (or the default).
+    /// Reads the wired or set value, or the default.
     fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError>;
-    /// Brings what was typed to true centimetres, where a typed one stands for `unit` of them.
+    /// Converts a typed value to true centimetres, of which a typed one is `unit`.
     fn grow(&mut self, _def: &InputDef, _unit: f32) {}
 }
 
-/// A Rust type that an output can have.
+/// A Rust type of outputs.
 pub trait Output {
     /// The type in documents.
     const TYPE: Type;
@@ -473,16 +472,15 @@ impl Output for Arc<Field> {
     const TYPE: Type = Type::Field;
 }
 
-/// A field with the hard range of the input that holds it, ready to be bound to curves. One that is a length is read in true
-/// centimetres: what is typed, drawn as a ramp or painted grows with the head, while an attribute that is a length, also in a
-/// product, is in centimetres already.
+/// A field with the hard range of its input, to be bound to curves. Lengths are read in true centimetres: typed numbers, ramps
+/// and painted masks grow with the head, while an attribute that is a length, also in a product, is in centimetres already.
 #[derive(Clone, Debug)]
 pub struct FieldInput {
-    /// Where the number comes from.
+    /// Source of the number.
     pub field: Arc<Field>,
-    /// Every value is clamped to this, as it was typed.
+    /// Hard range of the typed value.
     pub range: (f32, f32),
-    /// Centimetres for each one that was typed.
+    /// Centimetres per typed centimetre.
     unit: f32,
 }
 
@@ -495,7 +493,7 @@ impl FieldInput {
     ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
         Ok(self.field.in_cm(tuft, scalp, self.range, self.unit)?)
     }
-    /// The value, when it is the same everywhere.
+    /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
         self.field.constant().map(|x| x.max(self.range.0).min(self.range.1) * self.unit)
     }
@@ -515,8 +513,7 @@ fn wrong(def: &InputDef, found: &Value) -> NodeError {
 fn clamped(cx: &EvalCx, def: &InputDef, x: f64) -> f64 {
     let Some((lo, hi)) = def.hard else { return x };
     let y = x.clamp(lo, hi);
-    // Numbers come in single precision, in which a limit that was typed may lie a little beyond itself. Whole numbers differ by
-    // more and are compared as they are.
+    // Numbers are single precision, so a typed limit may be slightly exceeded. Integers are exact and compared as they are.
     let is_limit = def.ty != Type::Int && x as f32 == y as f32;
     if y != x && !is_limit {
         let unit = def.unit.suffix();
@@ -621,7 +618,7 @@ plain_inputs! {
     Arc<Scalp>, Scalp <= Scalp;
 }
 
-/// A colour, linear Rec.709.
+/// A linear Rec.709 colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour(pub Vec3);
 impl Input for Colour {
@@ -687,7 +684,7 @@ optional_and_many! {
     Arc<Scalp>, Scalp;
 }
 
-/// Numbers and shapes that may be left unset, such as those a preset fills in.
+/// Numbers and shapes that may be unset, such as those that a preset fills in.
 macro_rules! optional {
     ($($ty:ty),*) => {$(
         impl Input for Option<$ty> {
@@ -709,7 +706,7 @@ macro_rules! optional {
 }
 optional!(f32, FieldInput, Arc<ShapeList>);
 
-/// Reads the word of a choice; for [`choice!`].
+/// Reads the word of a choice, for [`choice!`].
 pub(crate) fn read_choice<T: Copy>(
     values: &[Value],
     def: &InputDef,
@@ -730,14 +727,14 @@ pub(crate) fn read_choice<T: Copy>(
     }
 }
 
-/// How a choice's word is shown: as its explanation opens, where that names it (`5 mm coils (4a): small ...` for `4a`).
+/// Label of a choice's word: the beginning of its doc, if that names it (`5 mm coils (4a): small ...` for `4a`).
 pub fn choice_name(word: &str, explanation: &str) -> String {
     let named = explanation.split_once(':').map(|(name, _)| name.trim());
     let whole = named.filter(|name| name.ends_with(&format!("({word})")));
     whole.map_or_else(|| word.replace('_', " "), str::to_owned)
 }
 
-/// Declares the words of a choice, each with its explanation.
+/// Declares the words of a choice, each with its doc.
 macro_rules! choice {
     ($(#[doc = $doc:literal])* $name:ident { $($(#[doc = $word_doc:literal])+ $variant:ident = $word:literal,)+ }) => {
         $(#[doc = $doc])*
@@ -787,7 +784,7 @@ impl InputDef {
             opens: None,
         }
     }
-    /// As a document declares it.
+    /// As declared by a document.
     pub(crate) fn declared(
         (name, old_names, doc, ty, arity): (
             &'static str,
@@ -858,7 +855,7 @@ impl InputDef {
         self.handle = Some(handle);
         self
     }
-    /// The value of a fresh node; none for what must be wired or may be missing.
+    /// The value of a fresh node; `None` for required and unset inputs.
     pub fn default(&self) -> Option<Value> {
         match &self.preset {
             Preset::None => None,
@@ -866,12 +863,12 @@ impl InputDef {
             Preset::Is(value) => Some((*value).clone()),
         }
     }
-    /// Whether there is such a value.
+    /// Whether it has a default value.
     pub fn has_default(&self) -> bool {
         !matches!(self.preset, Preset::None)
     }
-    /// A number that was typed for it, where a typed centimetre stands for `unit` true ones: lengths grow, and what is counted in
-    /// a centimetre shrinks.
+    /// Scales a typed number for a head on which a typed centimetre is `unit` true ones: lengths grow, and counts per centimetre
+    /// shrink.
     pub fn grown(&self, x: f32, unit: f32) -> f32 {
         match self.unit {
             _ if self.fixed => x,
@@ -889,7 +886,7 @@ impl InputDef {
 }
 
 impl OutputDef {
-    /// As a document declares it.
+    /// As declared by a document.
     pub(crate) fn declared(name: &'static str, doc: &'static [&'static str], ty: Type) -> Self {
         Self { name, doc, ty }
     }
@@ -903,8 +900,8 @@ impl OutputDef {
 }
 
 impl NodeDef {
-    /// Its id in a sentence: "a braid", "an interpolate".
-    pub fn told(&self) -> String {
+    /// The id with its article: "a braid", "an interpolate".
+    pub fn with_article(&self) -> String {
         let article = if self.id.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         format!("{article} {}", self.id)
     }
@@ -927,7 +924,7 @@ impl NodeDef {
         self.scales = true;
         self
     }
-    /// Whether lengths grow with the head beside these values: the node is told to, and that counts for something.
+    /// Whether lengths grow with the head, given these values: [`SCALES`] is on and has an effect.
     pub(crate) fn grows(&self, told: bool, values: &[Vec<Value>]) -> bool {
         let of = |name: &str| {
             let (i, def) = self.input(name)?;
@@ -936,11 +933,11 @@ impl NodeDef {
         let idle = self.input(SCALES).and_then(|(_, def)| def.idle);
         told && idle.is_none_or(|idle| idle(&of).is_none())
     }
-    /// Tooltip and manual page.
+    /// Tooltip and page of the manual.
     pub fn doc(&self) -> String {
         paragraphs(self.doc)
     }
-    /// The input of a name, present or old, and its number.
+    /// The input with this id, current or former, and its index.
     pub fn input(&self, name: &str) -> Option<(usize, &'static InputDef)> {
         let inputs = self.inputs.iter().enumerate();
         inputs
@@ -952,13 +949,13 @@ impl NodeDef {
     pub fn groups(&self) -> impl Iterator<Item = (Option<Group>, &'static [InputDef])> {
         self.inputs.chunk_by(|_, next| next.opens.is_none()).map(|inputs| (inputs[0].opens, inputs))
     }
-    /// The output of a name and its number.
+    /// The output with this id, and its index.
     pub fn output(&self, name: &str) -> Option<(usize, &'static OutputDef)> {
         self.outputs.iter().enumerate().find(|(_, d)| d.name == name)
     }
 }
 
-/// Doc comment lines as paragraphs: lines of one paragraph are joined.
+/// Joins doc comment lines into paragraphs.
 fn paragraphs(lines: &[&str]) -> String {
     let mut text = String::new();
     for line in lines.iter().map(|line| line.trim()) {
@@ -973,12 +970,11 @@ fn paragraphs(lines: &[&str]) -> String {
     text.trim_end().to_owned()
 }
 
-/// Declares a node. See `shape/resample.rs` for a whole file. A [`Group`] in brackets stands before the first input that is in
-/// it (`cluster/interpolate.rs`).
+/// Declares a node. See `shape/resample.rs` for a whole file. A [`Group`] in brackets precedes the first input in it
+/// (`cluster/interpolate.rs`).
 ///
-/// The flag `thins`: see [`NodeDef::thins`]. The flag `scales`, for nodes with the inputs `scalp` and `scale_with_head`: `eval` gets
-/// all numbers in true centimetres, however they were given, but for those that are `fixed()`; for what else grows with the head
-/// there is [`EvalCx::unit`].
+/// The flag `thins`: see [`NodeDef::thins`]. The flag `scales`, for nodes with the inputs `scalp` and `scale_with_head`: `eval`
+/// gets all numbers except `fixed()` ones in true centimetres; other lengths use [`EvalCx::unit`].
 macro_rules! node {
     (@head $inputs:ident, $values:ident) => { std::option::Option::None };
     (@head $inputs:ident, $values:ident, scales $(, $flag:ident)*) => {

@@ -1,9 +1,9 @@
-//! Why a node gave no result, and how a message quotes what it is about.
+//! Errors of nodes, and how messages quote values.
 
-/// Why a node gave no result. The text is what the user reads on the node; its name is put before it.
+/// Why a node has no result. The text is what the user reads on the node, after its name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NodeError {
-    /// Nothing is wired to an input the node cannot do without.
+    /// A required input is not wired.
     #[error("{input} is not connected: wire {expected} to it")]
     Unconnected {
         /// Input.
@@ -21,47 +21,46 @@ pub enum NodeError {
         /// Type it got.
         found: &'static str,
     },
-    /// A value that means nothing here.
+    /// An invalid value.
     #[error("{input}: {value} {reason}")]
     BadValue {
         /// Input.
         input: &'static str,
-        /// The value, as the document writes it.
+        /// The value, as written in the document.
         value: String,
         /// What is wrong with it and what was expected.
         reason: String,
     },
-    /// A file is missing, broken or of a kind that cannot be read. Counts as an error of the document: nothing
-    /// should have run.
+    /// A file is missing, broken or of an unknown format. Counts as an error of the document: nothing should have run.
     #[error("{file}: {reason}")]
     Refused {
-        /// Its path, as the document has it.
+        /// Its path, as in the document.
         file: String,
         /// Place and reason.
         reason: String,
     },
-    /// More than a node makes where nobody has allowed it.
+    /// A node would make more than the limit without permission.
     #[error(
         "{0}, and 16.8 million are the most unless more are allowed: ask for less hair or fewer points on each, or allow it \
-         (--allow-large; in the editor, Make it all the same)"
+         (--allow-large; in the editor, Evaluate anyway)"
     )]
     TooLarge(String),
-    /// Somebody asked to stop.
+    /// The evaluation was cancelled.
     #[error("cancelled")]
     Cancelled,
-    /// Anything else.
+    /// Any other failure.
     #[error("{0}")]
     Failed(String),
 }
 
 impl NodeError {
-    /// A failure in words.
+    /// A failure with this text.
     pub fn failed(text: impl Into<String>) -> Self {
         NodeError::Failed(text.into())
     }
 }
 
-/// The first words of a text, on one line: what a message quotes of something that may be as long as it likes.
+/// The beginning of a text, on one line, for messages about values of any length.
 pub fn short(text: &str) -> String {
     const MOST: usize = 60;
     let mut line = String::new();
@@ -69,7 +68,7 @@ pub fn short(text: &str) -> String {
         if !line.is_empty() {
             line.push(' ');
         }
-        // One more than may be shown tells that it is cut.
+        // One more character shows that the text is cut.
         line.extend(word.chars().take(MOST + 1));
         if let Some((cut, _)) = line.char_indices().nth(MOST) {
             line.truncate(cut);

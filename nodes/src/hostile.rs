@@ -9,7 +9,7 @@ use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::{HeadFrame, REGION, Scalp};
-use crate::data::shapes::{Section, ShapeList, Tier};
+use crate::data::shapes::{ShapeList, Tier, TurnProfile};
 use crate::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use crate::define::{InputDef, NodeDef, Type, Value};
 use crate::eval::{Host, Kept, Log, PlainHost, Quality};
@@ -223,11 +223,11 @@ fn hostile(input: &InputDef) -> Vec<Value> {
             all.map(|text| Value::Text(text.into())).to_vec()
         }
         Type::Shapes => {
-            let flat = Section::Custom(vec![Vec2::ZERO, Vec2::X * 999.0, Vec2::X * 5.0]);
+            let flat = TurnProfile::Custom(vec![Vec2::ZERO, Vec2::X * 999.0, Vec2::X * 5.0]);
             let lists = [
                 vec![],
                 vec![(Tier::A, flat)],
-                vec![(Tier::C, Section::Ellipse(0.01)), (Tier::C, Section::Lame(20.0))],
+                vec![(Tier::C, TurnProfile::Ellipse(0.01)), (Tier::C, TurnProfile::Lame(20.0))],
             ];
             lists.map(|list| Value::Shapes(Arc::new(ShapeList(list)))).to_vec()
         }

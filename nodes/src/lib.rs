@@ -38,7 +38,7 @@ mod testing;
 
 use define::NodeDef;
 
-/// The folders of nodes, in the order in which hair is made, with their names in the menu. None knows a later one.
+/// The stages: folders of nodes in the order in which hair is made, with their names in the menu. None imports a later one.
 pub const STAGES: &[(&str, &[&NodeDef])] = &[
     ("scalp", scalp::NODES),
     ("guides", guides::NODES),
@@ -58,7 +58,7 @@ pub fn all() -> impl Iterator<Item = &'static NodeDef> {
     STAGES.iter().flat_map(|(_, nodes)| nodes.iter().copied())
 }
 
-/// The node that documents call `id`.
+/// The node with the id `id`.
 pub fn by_id(id: &str) -> Option<&'static NodeDef> {
     all().find(|node| node.id == id)
 }

@@ -8,7 +8,7 @@
 use crate::display::{linear_from_srgb, srgb};
 use crate::gpu::Gpu;
 use crate::pipelines::Layouts;
-use coif_nodes::formats::looks::Wrap;
+use coif_nodes::formats::looks::TextureWrap;
 use glam::{Affine2, Vec3};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -215,7 +215,7 @@ pub struct Map {
     /// From uvs, v up, to the picture: 0 to 1 from the left and from the top.
     pub picture_from_uv: Affine2,
     /// Beyond the left and right, and beyond the top and bottom.
-    pub wrap: [Wrap; 2],
+    pub wrap: [TextureWrap; 2],
     /// Whether pixels stay hard squares.
     pub nearest: bool,
 }
@@ -330,10 +330,10 @@ fn upload(gpu: &Gpu, texels: &Texels) -> wgpu::TextureView {
 }
 
 fn sampler(gpu: &Gpu, map: Option<&Map>) -> wgpu::Sampler {
-    let [u, v] = map.map_or([Wrap::Repeat; 2], |map| map.wrap).map(|wrap| match wrap {
-        Wrap::Repeat => wgpu::AddressMode::Repeat,
-        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
-        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    let [u, v] = map.map_or([TextureWrap::Repeat; 2], |map| map.wrap).map(|wrap| match wrap {
+        TextureWrap::Repeat => wgpu::AddressMode::Repeat,
+        TextureWrap::Mirror => wgpu::AddressMode::MirrorRepeat,
+        TextureWrap::Clamp => wgpu::AddressMode::ClampToEdge,
     });
     let hard = map.is_some_and(|map| map.nearest);
     gpu.device.create_sampler(&wgpu::SamplerDescriptor {

@@ -17,7 +17,7 @@ pub(crate) use colour::{of_id, over, swatch};
 use coif_nodes::data::attributes::{
     BRAID, COLOUR, Column, Domain, GROUP, PARENT, SECTION, STRAND, WIDTH, unit_of,
 };
-use coif_nodes::data::curves::{Curves, Tuft, View as Values};
+use coif_nodes::data::curves::{AttributeView, Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::maths::hair_colour::absorption_of;
 use coif_nodes::maths::hash::{KeyBuilder, mix};
@@ -356,7 +356,8 @@ impl View {
                 let Some(scalp) = scalp else {
                     return Err("penetration needs a head, and there is none".to_owned());
                 };
-                let depths = measure::Known::of(curves, |tuft| measure::depths(tuft, scalp));
+                let depths =
+                    measure::CachedNumbers::of(curves, |tuft| measure::depths(tuft, scalp));
                 let heat =
                     Heat::new("depth under the skin", "cm", move |tuft| depths.of_tuft(tuft));
                 let depends = KeyBuilder::new("").key(curves.key()).key(scalp.key()).finish();
@@ -467,12 +468,12 @@ fn shown<T: coif_nodes::data::attributes::Item>(
 /// One result a point from an attribute, whatever its domain; what is repeated is worked out once.
 fn words<T: Copy + PartialEq, R: Copy>(
     tuft: &Tuft,
-    values: &Values<'_, T>,
+    values: &AttributeView<'_, T>,
     of: impl Fn(T) -> R,
 ) -> Vec<R> {
     match values {
-        Values::Shared(value) => vec![of(*value); tuft.points().len()],
-        Values::Curve(values) => {
+        AttributeView::Shared(value) => vec![of(*value); tuft.points().len()],
+        AttributeView::Curve(values) => {
             let mut out = Vec::with_capacity(tuft.points().len());
             for (i, value) in values.iter().enumerate() {
                 let word = of(*value);
@@ -480,7 +481,7 @@ fn words<T: Copy + PartialEq, R: Copy>(
             }
             out
         }
-        Values::Point(values) => {
+        AttributeView::Point(values) => {
             // Curves of one tuft often have the same colours from root to tip.
             let first: Vec<(T, R)> = tuft.range(0).map(|k| (values[k], of(values[k]))).collect();
             let mut out = Vec::with_capacity(values.len());

@@ -1,12 +1,12 @@
 //! The house's own rules, asserted on what Cargo resolves and on the sources: who may depend on whom, crates and modules alike, which
-//! features keep the same bits, which licences come in.
+//! features keep the same bits, which licences come in, and that a crate gives no type name twice.
 
 #[path = "house/imports.rs"]
 mod imports;
 
 use coif_tests::repository;
 use serde_json::Value as Json;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 fn cargo(args: &[&str]) -> String {
@@ -287,6 +287,65 @@ fn what_leads_up_or_sideways_is_told_with_its_place() {
     check("main.rs", "use crate::cli::run;", &[]);
     let none = "app/src/new.rs:1: crate::words leads from or to no layer";
     check("new.rs", "use crate::words;", &[none]);
+}
+
+/// The types of a crate that more than one of its files gives a name in `pub`, `pub(crate)` or the like, each with these files.
+fn names_given_twice(sources: &[(std::path::PathBuf, String)]) -> Vec<String> {
+    let mut places: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (file, text) in imports::code(sources) {
+        for name in public_types(&text) {
+            places.entry(name).or_default().insert(file.display().to_string());
+        }
+    }
+    let twice = places.into_iter().filter(|(_, files)| files.len() > 1);
+    twice.map(|(name, files)| format!("{name}: {}", Vec::from_iter(files).join(", "))).collect()
+}
+
+/// The types that a file's code declares for others: associated types and names that macros make up are none.
+fn public_types(code: &str) -> Vec<String> {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let declared = |at: usize| {
+        let rest = code[at..].strip_prefix("pub").filter(|_| !code[..at].ends_with(is_word))?;
+        let rest = match rest.strip_prefix('(') {
+            Some(within) => within.split_once(')')?.1,
+            None => rest,
+        };
+        let (kind, name) = rest.strip_prefix(char::is_whitespace)?.trim_start().split_once(' ')?;
+        let name = &name[..name.find(|c| !is_word(c)).unwrap_or(name.len())];
+        let is_type = ["struct", "enum", "trait", "type", "union"].contains(&kind);
+        (is_type && !name.is_empty()).then(|| name.to_owned())
+    };
+    code.match_indices("pub").filter_map(|(at, _)| declared(at)).collect()
+}
+
+#[test]
+fn no_two_public_types_of_a_crate_share_a_name() {
+    for (package, _) in layers() {
+        let all = sources_of(package);
+        let types: usize = all.iter().map(|(_, text)| public_types(text).len()).sum();
+        assert!(types > 50, "{package}: {types} types were read");
+        let twice = names_given_twice(&all);
+        assert!(twice.is_empty(), "{package}/src: rename all but one\n{}", twice.join("\n"));
+    }
+}
+
+#[test]
+fn a_name_given_twice_is_told_with_its_files() {
+    let check = |other: &str, told: &[&str]| {
+        let own = "pub(crate) struct Section;\nstruct Wrap;\npub trait Read { type Item; }";
+        let sources = [("cluster/mod.rs", own), ("data/sections.rs", other)];
+        let sources = sources.map(|(file, text)| (file.into(), text.to_owned()));
+        assert_eq!(names_given_twice(&sources), told, "{other}");
+    };
+    let section = &["Section: cluster/mod.rs, data/sections.rs"];
+    check("pub struct Section<T>(T);", section);
+    check("pub(super) enum Section {}", section);
+    check("pub(in crate::data)\n    type Section = u8;", section);
+    check("struct Section; pub struct Sections; pub fn section() {}", &[]);
+    check("pub enum Wrap {}\npub struct Item;", &[]);
+    check("// pub struct Section;\nconst A: &str = \"pub struct Section;\";", &[]);
+    check("#[cfg(test)]\nmod tests { pub struct Section; }", &[]);
+    check("#[cfg(unix)]\npub struct Path;\n#[cfg(not(unix))]\npub struct Path;", &[]);
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub(crate) fn carry_out(
     let mut report = Report::new(graph.display().to_string());
     let mut files = Together::default();
     let mut ending = Ending::default();
-    ending.when_asked(
+    ending.on_request_to_end(
         {
             let cancel = cancel.clone();
             move || cancel.cancel()
@@ -82,7 +82,7 @@ pub(crate) fn carry_out_each<T>(
     let add = |report: &Report| {
         texts.lock().unwrap_or_else(PoisonError::into_inner).push(report.text());
     };
-    ending.when_asked(
+    ending.on_request_to_end(
         {
             let cancel = cancel.clone();
             move || cancel.cancel()
@@ -202,7 +202,7 @@ pub(super) fn in_one_step<T>(
 ) -> Result<T, Exit> {
     let (cancel, mut files) = (CancelToken::default(), Together::default());
     let mut ending = Ending::default();
-    ending.when_asked(
+    ending.on_request_to_end(
         {
             let cancel = cancel.clone();
             move || cancel.cancel()

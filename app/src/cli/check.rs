@@ -26,7 +26,7 @@ pub(crate) struct CheckArgs {
     strict: bool,
     /// Also evaluate, and tell what a program would cut off (exit code 2), and what it would make up (a note)
     #[arg(long, value_enum)]
-    target: Option<Target>,
+    target: Option<TargetProgram>,
     /// With a target: evaluate even what makes more than 16.8 million points
     #[arg(long)]
     allow_large: bool,
@@ -34,7 +34,7 @@ pub(crate) struct CheckArgs {
 
 /// A program that grooms are made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Target {
+pub(crate) enum TargetProgram {
     /// Unreal Engine's groom asset
     Unreal,
 }
@@ -122,7 +122,7 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
             continue;
         }
         let found = match args.target {
-            Some(Target::Unreal) => {
+            Some(TargetProgram::Unreal) => {
                 match unreal::found(&document, folder, shown.clone(), args.allow_large) {
                     Ok(found) => found,
                     Err(stop) => {
@@ -132,7 +132,7 @@ pub(crate) fn run(args: CheckArgs) -> Exit {
                     }
                 }
             }
-            None => unreal::Found::default(),
+            None => unreal::ImportReport::default(),
         };
         for line in &found.lost {
             complain(format!("{shown}: {line}"));

@@ -41,7 +41,7 @@ impl Ending {
     }
 
     /// Calls `stop` when somebody asks the process to end, and ends it unless the command does so soon. `last_words` come before.
-    pub(super) fn when_asked(
+    pub(super) fn on_request_to_end(
         &self,
         stop: impl Fn() + Clone + Send + 'static,
         last_words: impl Fn() + Clone + Send + 'static,

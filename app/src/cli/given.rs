@@ -55,7 +55,7 @@ pub(super) fn input_of(
         let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
         format!(
             "{} has no input {:?}; it has {}",
-            def.told(),
+            def.with_article(),
             short(&socket.name),
             known.join(", ")
         )

@@ -13,9 +13,9 @@ use crate::jobs::open::Read;
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
 use crate::library;
-use crate::pack::gather::{self, Gathered, Graph, Item, Source};
+use crate::pack::gather::{self, Gathered, Graph, PackFile, Source};
 use crate::pack::read::Pack;
-use crate::pack::{Made, Manifest, is_pack, write};
+use crate::pack::{Manifest, PackedOutput, is_pack, write};
 use clap::Args;
 use coif_graphs::document::Document;
 use coif_graphs::file;
@@ -56,7 +56,7 @@ pub(super) fn pack(args: &PackArgs) -> Exit {
         let graph = graph_of(&args.graph).map_err(|stop| vec![stop])?;
         let (original, folder) = (graph.loaded.document.clone(), graph.folder.clone());
         let gathered = gather::gather(graph, args.collect);
-        let Gathered { items, document, told } =
+        let Gathered { items, document, notes: told } =
             gathered.map_err(|lines| vec![Stop(Exit::Refused, lines)])?;
         let mut manifest = Manifest::of(&items, &document);
         manifest
@@ -77,7 +77,7 @@ pub(super) fn pack(args: &PackArgs) -> Exit {
 
 /// Says what a pack holds.
 fn tell(manifest: &Manifest) {
-    for line in manifest.told() {
+    for line in manifest.lines() {
         // That nobody reads it ends nothing.
         let _ = print_plain(&line);
     }
@@ -85,7 +85,7 @@ fn tell(manifest: &Manifest) {
 
 fn write_pack(
     manifest: &Manifest,
-    items: &[Item],
+    items: &[PackFile],
     (graph, out): (&Path, &Path),
     files: &mut Together,
     cancel: &CancelToken,
@@ -148,7 +148,7 @@ fn made(
     folder: PathBuf,
     args: &PackArgs,
     cancel: &CancelToken,
-) -> Result<Vec<Made>, Stop> {
+) -> Result<Vec<PackedOutput>, Stop> {
     let graph = shown(&args.graph).to_string();
     let opened = Opened::of(document, folder, graph.clone(), args.allow_large)?;
     let mut report = Report::new(graph);
@@ -157,7 +157,7 @@ fn made(
     let evaluated = opened.evaluate(Quality::Final, cancel, &bar, &mut report);
     bar.clear();
     evaluated?;
-    let of = |output: &crate::jobs::report::Output| Made {
+    let of = |output: &crate::jobs::report::Output| PackedOutput {
         output: format!("{}.{}", output.node, output.socket),
         hash: output.hash.to_string(),
     };

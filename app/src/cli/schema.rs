@@ -10,7 +10,7 @@
 use coif_graphs::file::{FORMAT, PORT_TYPES, PORT_UNITS};
 use coif_graphs::values::DEEPEST_FIELD;
 use coif_nodes::data::gestures::{Layer, Tool};
-use coif_nodes::data::shapes::Section;
+use coif_nodes::data::shapes::TurnProfile;
 use coif_nodes::data::strokes::Mode;
 use coif_nodes::declared;
 use coif_nodes::define::{Arity, InputDef, NodeDef, Type};
@@ -108,11 +108,11 @@ fn words<'a>(of: impl Iterator<Item = &'a str>) -> Json {
 
 /// The points of a drawn section.
 fn corners() -> Json {
-    let (low, high) = (f64::from(-Section::FARTHEST), f64::from(Section::FARTHEST));
+    let (low, high) = (f64::from(-TurnProfile::FARTHEST), f64::from(TurnProfile::FARTHEST));
     let mut point = tuple(&[number(low, high), number(low, high)]);
     point["x-shorter-than"] = json!(high);
-    let mut corners = list(point, Section::CORNERS.0);
-    corners["maxItems"] = json!(Section::CORNERS.1);
+    let mut corners = list(point, TurnProfile::CORNERS.0);
+    corners["maxItems"] = json!(TurnProfile::CORNERS.1);
     corners["x-not-one-place"] = json!(true);
     corners
 }

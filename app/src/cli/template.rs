@@ -9,7 +9,7 @@ use super::{Exit, complain, complain_of, ending, pack, print, print_plain, thumb
 use crate::files::{Role, Together};
 use crate::jobs::stop::Stop;
 use crate::jobs::thumbnail::{CAMERA, SIZE, of};
-use crate::library::{self, Entry};
+use crate::library::{self, LibraryEntry};
 use crate::pack::is_pack;
 use crate::places::Places;
 use crate::words::plain_json;
@@ -201,7 +201,7 @@ pub(crate) fn run(args: &TemplateArgs) -> Exit {
     }
 }
 
-fn said(found: Result<Entry, String>, then: impl FnOnce(&Entry) -> Exit) -> Exit {
+fn said(found: Result<LibraryEntry, String>, then: impl FnOnce(&LibraryEntry) -> Exit) -> Exit {
     ending::at_once();
     match found {
         Ok(entry) => then(&entry),
@@ -220,7 +220,7 @@ fn list(as_json: bool) -> Exit {
         let all: Vec<_> = all.iter().map(of_entry).collect();
         return print(&plain_json(&serde_json::to_string_pretty(&all).unwrap_or_default()));
     }
-    let line = |entry: &Entry| {
+    let line = |entry: &LibraryEntry| {
         let place =
             entry.path.as_ref().map_or("coif".to_owned(), |path| path.display().to_string());
         let Origin { name, version, .. } = &entry.origin;
@@ -229,7 +229,7 @@ fn list(as_json: bool) -> Exit {
     all.iter().map(|entry| print_plain(&line(entry))).max().unwrap_or(Exit::Done)
 }
 
-fn of_entry(entry: &Entry) -> serde_json::Value {
+fn of_entry(entry: &LibraryEntry) -> serde_json::Value {
     let Origin { name, version, author, licence, tags, source, needs, hash: _, locked: _ } =
         &entry.origin;
     json!({
@@ -239,7 +239,7 @@ fn of_entry(entry: &Entry) -> serde_json::Value {
     })
 }
 
-pub(super) fn info(entry: &Entry) -> String {
+pub(super) fn info(entry: &LibraryEntry) -> String {
     let Origin { name, version, author, licence, tags, source, needs, hash, locked: _ } =
         &entry.origin;
     let mut lines = vec![format!("{}: {name} {version}", entry.title)];
@@ -411,7 +411,7 @@ pub(super) fn ended<T>(done: Result<T, Exit>, then: impl FnOnce(T) -> Exit) -> E
     }
 }
 
-fn add(graph: &Path, entry: &Entry, out: Option<&Path>) -> Exit {
+fn add(graph: &Path, entry: &LibraryEntry, out: Option<&Path>) -> Exit {
     if !entry.origin.hash.is_empty() && entry.origin.hash != entry.hash {
         complain(format_args!(
             "warning: {} was changed since it was made: its mark says the hash {}, it has {}",
@@ -420,7 +420,7 @@ fn add(graph: &Path, entry: &Entry, out: Option<&Path>) -> Exit {
     }
     let added = rewritten(graph, out, |document, _, _| {
         let template::Added { edit, id, .. } =
-            template::add(document, &entry.document, template::Place::default())?;
+            template::add(document, &entry.document, template::Placement::default())?;
         edit.apply(document).map_err(|err| err.to_string())?;
         Ok(id)
     });
@@ -442,7 +442,7 @@ fn install(args: &InstallArgs) -> Exit {
 
 /// Writes a template into a folder of the library.
 pub(super) fn put(
-    entry: &Entry,
+    entry: &LibraryEntry,
     args: &InstallArgs,
     files: &mut Together,
     cancel: &CancelToken,
@@ -481,7 +481,7 @@ pub(super) fn put(
 }
 
 /// The instances that an upgrade is about, each with what is to come in its place.
-fn wanted(document: &Document, args: &UpgradeArgs) -> Result<Vec<(NodeId, Entry)>, String> {
+fn wanted(document: &Document, args: &UpgradeArgs) -> Result<Vec<(NodeId, LibraryEntry)>, String> {
     let named = args.nodes.iter().map(|node| NodeId::new(node).map_err(|err| err.to_string()));
     let named: Vec<NodeId> = named.collect::<Result<_, _>>()?;
     let mut found = vec![];
@@ -534,7 +534,7 @@ fn upgrade(args: &UpgradeArgs) -> Exit {
             if done.changed_inside {
                 told.push(format!("{id}: changes inside: lost"));
             }
-            told.extend(done.told.iter().map(|told| format!("{id}: {told}")));
+            told.extend(done.overrides.iter().map(|told| format!("{id}: {told}")));
             done.edit.apply(document).map_err(|err| err.to_string())?;
         }
         Ok(told)
@@ -571,10 +571,10 @@ fn lock(graph: &Path, node: &str, locked: bool) -> Exit {
     ended(done, |_| Exit::Done)
 }
 
-fn differ(a: &Entry, b: &Entry) -> Exit {
+fn differ(a: &LibraryEntry, b: &LibraryEntry) -> Exit {
     ending::at_once();
     // Under one name, so that they can be compared.
-    let alone = |entry: &Entry| {
+    let alone = |entry: &LibraryEntry| {
         template::group_of(&entry.document).map(|group| template::alone(&entry.document, group))
     };
     let (Ok(from), Ok(to)) = (alone(a), alone(b)) else { return Exit::Refused };

@@ -162,7 +162,7 @@ fn words(document: &Document, traced: &Traced) -> String {
         match part {
             Part::Node(_) if *alone => {}
             Part::Node(_) => text += "    it could be off, but for others that then could not\n",
-            Part::Drawn { .. } => text += &format!("    {}{together}\n", part.told(document)),
+            Part::Drawn { .. } => text += &format!("    {}{together}\n", part.describe(document)),
         }
     }
     text
@@ -197,7 +197,7 @@ fn json(document: &Document, traced: &Traced, seconds: f64) -> String {
         };
         let kind = document.node(part.node().as_str()).map_or("", |node| &node.kind).to_owned();
         let node = part.node().to_string();
-        JsonPart { node, kind, input, id, told: part.told(document), alone: *alone }
+        JsonPart { node, kind, input, id, told: part.describe(document), alone: *alone }
     };
     let all = JsonTraced {
         output: traced.output.to_string(),

@@ -11,7 +11,7 @@ use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Quiet};
 use coif_nodes::data::attributes::{ROOT_UV, WIDTH};
 use coif_nodes::eval::Quality;
-use coif_nodes::formats::export::{self, Group};
+use coif_nodes::formats::export::{self, HairGroup};
 use glam::Vec2;
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ const LETTERS: usize = 1023;
 
 /// What becomes of a groom, a line each with what to do about it.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Found {
+pub(super) struct ImportReport {
     /// What is lost.
     pub(super) lost: Vec<String>,
     /// What the importer makes up or does otherwise than a person may think.
@@ -39,7 +39,7 @@ pub(super) fn found(
     folder: PathBuf,
     graph: String,
     allow_large: bool,
-) -> Result<Found, Stop> {
+) -> Result<ImportReport, Stop> {
     let opened = Opened::of(document.clone(), folder, graph, allow_large)?;
     let mut report = Report::new(String::new());
     let cancel = CancelToken::default();
@@ -47,11 +47,11 @@ pub(super) fn found(
     Ok(judged(&evaluated.groups))
 }
 
-fn judged(groups: &[Group]) -> Found {
-    let mut found = Found::default();
-    let Found { lost, made_up } = &mut found;
+fn judged(groups: &[HairGroup]) -> ImportReport {
+    let mut found = ImportReport::default();
+    let ImportReport { lost, made_up } = &mut found;
     let places = export::places(groups);
-    let written: Vec<(&Group, &export::Place)> = groups
+    let written: Vec<(&HairGroup, &export::HairGroupId)> = groups
         .iter()
         .zip(&places)
         .filter(|(group, _)| !export::is_left_out_of_abc(group, groups))
@@ -119,7 +119,7 @@ fn judged(groups: &[Group]) -> Found {
 }
 
 /// What becomes of the curves of one output.
-fn of_curves(group: &Group, lost: &mut Vec<String>, made_up: &mut Vec<String>) {
+fn of_curves(group: &HairGroup, lost: &mut Vec<String>, made_up: &mut Vec<String>) {
     let (name, curves) = (&group.name, &group.curves);
     let lengths = || curves.each().map(|(tuft, i)| tuft.range(i).len());
     let long = lengths().filter(|points| *points > POINTS_A_CURVE).count();
@@ -178,27 +178,27 @@ mod tests {
     use std::sync::Arc;
 
     /// An output of three curves of `points` points with uvs and a width.
-    fn output(name: &str, guides: bool, points: usize) -> Group {
+    fn output(name: &str, guides: bool, points: usize) -> HairGroup {
         let mut b =
             TuftBuilder::even((0..3 * points).map(|k| Vec3::Y * k as f32).collect(), points);
         b.set(ROOT_UV, Domain::Curve, vec![Vec2::X; 3]);
         b.set(WIDTH, Domain::Curve, vec![0.01]);
-        Group { name: name.into(), guides, curves: Curves::new(vec![Arc::new(b.build())]) }
+        HairGroup { name: name.into(), guides, curves: Curves::new(vec![Arc::new(b.build())]) }
     }
-    fn edited(mut group: Group, edit: impl Fn(&mut TuftBuilder)) -> Group {
+    fn edited(mut group: HairGroup, edit: impl Fn(&mut TuftBuilder)) -> HairGroup {
         let mut b = group.curves.tufts()[0].edit();
         edit(&mut b);
         group.curves = Curves::new(vec![Arc::new(b.build())]);
         group
     }
-    fn many(mut group: Group, tufts: usize) -> Group {
+    fn many(mut group: HairGroup, tufts: usize) -> HairGroup {
         group.curves = Curves::new(vec![group.curves.tufts()[0].clone(); tufts]);
         group
     }
 
     /// What is lost and what is made up: as many lines as given, each with its words.
     #[track_caller]
-    fn check(groups: &[Group], lost: &[&str], made_up: &[&str]) {
+    fn check(groups: &[HairGroup], lost: &[&str], made_up: &[&str]) {
         let found = judged(groups);
         for (lines, words) in [(&found.lost, lost), (&found.made_up, made_up)] {
             assert_eq!(lines.len(), words.len(), "{lines:#?}");
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn what_is_over_a_limit_is_lost() {
-        let with_guides = |hair: Group| [hair, output("hair", true, 4)];
+        let with_guides = |hair: HairGroup| [hair, output("hair", true, 4)];
         check(
             &with_guides(output("hair", false, 256)),
             &["3 curves have more than 255 points"],
@@ -244,7 +244,7 @@ mod tests {
         let mut b = TuftBuilder::even(vec![Vec3::ZERO, Vec3::Y], 2);
         b.set(ROOT_UV, Domain::Curve, vec![Vec2::X]);
         let curves = Curves::new(vec![Arc::new(b.build())]);
-        check(&[Group { curves, ..hair() }, guides()], &[], &["written 0.008 cm wide"]);
+        check(&[HairGroup { curves, ..hair() }, guides()], &[], &["written 0.008 cm wide"]);
         check(&[hair(), output("other", true, 4)], &[], &["go with \"hair\""]);
         let lines = edited(output("lines", true, 4), |b| b.set(PARTING, Domain::Curve, vec![3]));
         check(&[hair(), guides(), lines], &[], &["lines of partings"]);

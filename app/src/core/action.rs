@@ -41,7 +41,7 @@ pub fn always<Room>(_: &Room, _: &State) -> Can {
 
 /// What is said of an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Named {
+pub struct ActionInfo {
     /// Its name in key tables.
     pub id: &'static str,
     /// What menus say.
@@ -51,10 +51,10 @@ pub struct Named {
 }
 
 /// Finds what is said of an action by its id, whichever room it is of.
-pub type Table = fn(&str) -> Option<Named>;
+pub type ActionLookup = fn(&str) -> Option<ActionInfo>;
 
 /// Actions by their ids, as entries of a menu; empty ones part them.
-pub(crate) fn menu(table: Table, ids: &[&str], ui: &mut Ui, out: &mut Vec<Event>) {
+pub(crate) fn menu(table: ActionLookup, ids: &[&str], ui: &mut Ui, out: &mut Vec<Event>) {
     for id in ids {
         if id.is_empty() {
             ui.separator();

@@ -89,21 +89,21 @@ impl State {
     }
 
     fn edit(&mut self, edit: &Edit, nudge: bool) {
-        self.changes_hair |= self.gesture && means_something(edit);
+        self.changes_hair |= self.gesture && edit.changes_evaluation();
         let done = if nudge {
             self.history.nudge(&mut self.document, edit)
         } else {
             self.history.edit(&mut self.document, edit)
         };
-        self.changed(done.map_err(|err| err.to_string()), means_something(edit));
+        self.changed(done.map_err(|err| err.to_string()), edit.changes_evaluation());
     }
 
     /// After a change of the document, or a refusal of one.
-    fn changed(&mut self, done: Result<(), String>, means_something: bool) {
+    fn changed(&mut self, done: Result<(), String>, changes_evaluation: bool) {
         match done {
             Ok(()) => {
                 self.changes += 1;
-                if means_something {
+                if changes_evaluation {
                     self.revision += 1;
                 }
                 self.keep();
@@ -128,25 +128,5 @@ impl State {
         let left = left.filter(|left| left.group() == self.group);
         self.selection.change(Select::Nodes(left.into_iter().collect()));
         self.selection.keep(&self.document);
-    }
-}
-
-/// Whether an edit changes what is evaluated, not only how the graph is laid out or called.
-fn means_something(edit: &Edit) -> bool {
-    match edit {
-        Edit::Move { .. }
-        | Edit::SetTitle(_)
-        | Edit::SetNote(_)
-        | Edit::SetLabel { .. }
-        | Edit::SetNodeNote { .. }
-        | Edit::SetFrame { .. }
-        | Edit::SetBends { .. }
-        | Edit::SetCollapsed { .. }
-        | Edit::SetView { .. }
-        | Edit::SetLook(_)
-        | Edit::SetThumbnail(_)
-        | Edit::SetComment { .. } => false,
-        Edit::Several(edits) => edits.iter().any(means_something),
-        _ => true,
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 /// Something that happened to a document as a whole.
 #[derive(Clone, Debug)]
-pub enum Event {
+pub enum DocumentEvent {
     /// A new document: a shipped groom by its name, or the empty head.
     New(Option<&'static str>),
     /// A new document on which an action, a recipe's, is done at once.

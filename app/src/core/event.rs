@@ -1,7 +1,7 @@
 //! Everything that can happen in the editor. Rooms read the state and say what happened; nothing else changes it.
 
 use crate::core::documents;
-use crate::core::made::Made;
+use crate::core::made::HairTrace;
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::settings::Settings;
@@ -44,7 +44,7 @@ pub enum Event {
     /// Which nodes, strokes and gestures made this displayed curve? The answer is `State::made`.
     WhatMade(u64),
     /// What made a hair is known, or forgotten.
-    Made(Option<Arc<Made>>),
+    Made(Option<Arc<HairTrace>>),
     /// The pen picks a stroke of a node.
     PickStroke(NodeId, u64),
     /// The pen is taken up for a node that is to be drawn into.
@@ -75,9 +75,9 @@ pub enum Event {
     /// Whatever runs stops; the last picture stays.
     Stop,
     /// Something happens to templates.
-    Templates(templates::Event),
+    Templates(templates::TemplateEvent),
     /// Something happens to the document as a whole.
-    Documents(documents::Event),
+    Documents(documents::DocumentEvent),
     /// Something happens to the window round the rooms.
     Window(Window),
     /// The outliner scrolls to what is selected.

@@ -5,7 +5,7 @@ use coif_graphs::trace::{NotTraced, Traced};
 
 /// What was found of a hair.
 #[derive(Clone, Debug)]
-pub struct Made {
+pub struct HairTrace {
     /// What made it, or why that is not known.
     pub traced: Result<Traced, NotTraced>,
     /// The groom that it was found in.

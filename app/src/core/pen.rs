@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Settings of the pen room.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Settings {
+pub struct PenSettings {
     /// By the device's name; the mouse and touch screens have names of their own.
     pub devices: BTreeMap<String, Feel>,
     /// The pressure of a mouse, 0 to 1: it has none of its own.
@@ -38,7 +38,7 @@ pub struct Settings {
     pub strands: bool,
 }
 
-impl Default for Settings {
+impl Default for PenSettings {
     fn default() -> Self {
         Self {
             devices: BTreeMap::new(),
@@ -162,7 +162,7 @@ impl Feel {
     }
 }
 
-impl Settings {
+impl PenSettings {
     /// The feel of a device; that of a new one when nobody has set it.
     pub fn feel(&self, name: &str) -> Feel {
         self.devices.get(name).copied().unwrap_or_else(|| match name {

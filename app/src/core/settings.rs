@@ -25,7 +25,7 @@ pub struct Settings {
     /// Larger targets, for pens: 32 points instead of 24.
     pub pen_mode: bool,
     /// How pens feel, and what the pen's tools do.
-    pub pen: pen::Settings,
+    pub pen: pen::PenSettings,
     /// Whether text and lines stand out more than the theme makes them.
     pub strong_contrast: bool,
     /// A document that has a file is saved by itself after so many minutes with changes; 0: never.

@@ -98,7 +98,7 @@ pub struct RunStatus {
     /// Bytes kept for reuse, and the most that may be.
     pub cache: (usize, usize),
     /// How far the search for what made a hair is; none where none is on.
-    pub tracing: Option<trace::Progress>,
+    pub tracing: Option<trace::TraceProgress>,
 }
 
 /// Which curve's makers are looked for, in what is displayed of a document.

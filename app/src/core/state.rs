@@ -1,13 +1,13 @@
 //! What the editor knows. Rooms read it; what happens is applied in one place (`apply.rs`).
 
-use crate::core::action::Table;
+use crate::core::action::ActionLookup;
 use crate::core::lineage::Ancestor;
-use crate::core::made::Made;
+use crate::core::made::HairTrace;
 use crate::core::notes::Notes;
 use crate::core::room::Room;
 use crate::core::settings::Settings;
 use crate::core::shown::{RunStatus, Shown, Trace};
-use crate::core::templates::{Offer, Row};
+use crate::core::templates::{Offer, ShelfRow};
 use crate::core::visibility::Visibility;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Node, NodeId, Socket};
@@ -48,7 +48,7 @@ pub struct State {
     /// The curve that was traced last and its ancestors, each with the node that made it: the hair first.
     pub traced: Vec<Ancestor>,
     /// What made the hair that was asked for last.
-    pub made: Option<Arc<Made>>,
+    pub made: Option<Arc<HairTrace>>,
     /// What the evaluator does now.
     pub run: RunStatus,
     /// Preferences.
@@ -58,7 +58,7 @@ pub struct State {
     /// What was said.
     pub notes: Notes,
     /// The templates that there are; none until they are read.
-    pub(crate) shelf: Option<Arc<Vec<Row>>>,
+    pub(crate) shelf: Option<Arc<Vec<ShelfRow>>>,
     /// The upgrade of an instance that is shown.
     pub(crate) offer: Option<Offer>,
     /// The room that keys are for.
@@ -68,12 +68,17 @@ pub struct State {
     /// When the last nudge was.
     pub(super) nudged: f64,
     /// What can be done by name.
-    pub(crate) table: Table,
+    pub(crate) table: ActionLookup,
 }
 
 impl State {
     /// A document that was just opened or made, in a window in which these things can be done by name.
-    pub fn new(document: Document, file: OpenFile, settings: Settings, table: Table) -> Self {
+    pub fn new(
+        document: Document,
+        file: OpenFile,
+        settings: Settings,
+        table: ActionLookup,
+    ) -> Self {
         Self {
             document,
             history: History::new(),

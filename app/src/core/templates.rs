@@ -1,11 +1,11 @@
 //! Templates as the window knows them: what is on the shelf, which versions are newer, an upgrade that is shown before it is done, and
 //! what can happen to them.
 
-use crate::core::event::Event as EditorEvent;
+use crate::core::event::Event;
 use crate::core::state::State;
-use crate::library::{self, Entry};
+use crate::library::{self, LibraryEntry};
 use coif_graphs::document::{NodeId, Origin, Point, Thumbnail};
-use coif_graphs::template::Told;
+use coif_graphs::template::OverrideOutcome;
 use egui::{Context, DragAndDrop};
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// What happens to templates.
 #[derive(Clone, Debug)]
-pub enum Event {
+pub enum TemplateEvent {
     /// One is added to the group that the canvas shows.
     Add {
         /// Which.
@@ -76,23 +76,23 @@ pub(crate) struct Broken {
 }
 
 impl Broken {
-    pub(crate) fn row(path: &Path, place: &str, why: String) -> Row {
+    pub(crate) fn row(path: &Path, place: &str, why: String) -> ShelfRow {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let said = format!("{name}\n{place}\n{why}").to_lowercase();
-        Row::Broken(Self { path: path.to_owned(), place: place.to_owned(), why, said }.into())
+        ShelfRow::Broken(Self { path: path.to_owned(), place: place.to_owned(), why, said }.into())
     }
 }
 
 /// A line of the shelf.
 #[derive(Clone, Debug)]
-pub(crate) enum Row {
+pub(crate) enum ShelfRow {
     /// A template.
     Found(Arc<Listed>),
     /// A file that is none.
     Broken(Arc<Broken>),
 }
 
-impl Row {
+impl ShelfRow {
     /// What people read.
     pub(crate) fn title(&self) -> &str {
         match self {
@@ -139,7 +139,7 @@ pub(crate) fn newer<'a>(state: &'a State, origin: &Origin) -> Newer<'a> {
     let Some(shelf) = &state.shelf else { return Newer::Unread };
     let version = |it: &Listed| it.origin.version.clone();
     let all = shelf.iter().filter_map(|row| match row {
-        Row::Found(it) if it.origin.name == origin.name => Some(it),
+        ShelfRow::Found(it) if it.origin.name == origin.name => Some(it),
         _ => None,
     });
     let newest = all.reduce(|a, b| {
@@ -161,11 +161,11 @@ pub(crate) struct Offer {
     /// The instance.
     pub(crate) id: NodeId,
     /// What comes in its place.
-    pub(crate) entry: Arc<Entry>,
+    pub(crate) entry: Arc<LibraryEntry>,
     /// As of so many changes of the document.
     pub(crate) of: u64,
     /// What becomes of every value and wire on it.
-    pub(crate) told: Vec<Told>,
+    pub(crate) overrides: Vec<OverrideOutcome>,
     /// What is in it was changed since it was made: that would go.
     pub(crate) changed_inside: bool,
 }
@@ -178,17 +178,17 @@ impl Offer {
 }
 
 /// A template in the hand.
-pub(crate) struct Held {
+pub(crate) struct DraggedTemplate {
     pub(crate) template: Arc<Listed>,
     pub(crate) picture: Option<egui::TextureHandle>,
 }
 
 /// The template that was let go of over a place of the canvas, as what happened.
-pub(crate) fn dropped(ctx: &Context, at: Point) -> Option<EditorEvent> {
+pub(crate) fn dropped(ctx: &Context, at: Point) -> Option<Event> {
     if !ctx.input(|input| input.pointer.any_released()) {
         return None;
     }
-    let held = DragAndDrop::take_payload::<Held>(ctx)?;
+    let held = DragAndDrop::take_payload::<DraggedTemplate>(ctx)?;
     let template = Which(held.template.clone());
-    Some(EditorEvent::Templates(Event::Add { template, at: Some(at) }))
+    Some(Event::Templates(TemplateEvent::Add { template, at: Some(at) }))
 }

@@ -1,7 +1,7 @@
 //! The whole table of what can be done by name: the rooms' parts of it, and what belongs to no room.
 
 use super::Editor;
-use crate::core::action::{Action, Can, Named, Of};
+use crate::core::action::{Action, ActionInfo, Can, Of};
 use crate::core::event::{Event, Window};
 use crate::core::room::Room;
 use crate::rooms::canvas::{self, Canvas};
@@ -97,8 +97,8 @@ pub fn by_id(id: &str) -> Option<Entry> {
 }
 
 /// What is said of the action of an id, for rooms.
-pub(super) fn named(id: &str) -> Option<Named> {
-    by_id(id).map(|Entry { id, label, tip, .. }| Named { id, label, tip })
+pub(super) fn named(id: &str) -> Option<ActionInfo> {
+    by_id(id).map(|Entry { id, label, tip, .. }| ActionInfo { id, label, tip })
 }
 
 macro_rules! show_room {
@@ -106,7 +106,7 @@ macro_rules! show_room {
         Action {
             id: $id,
             label: $label,
-            tip: "Brings this room to the front, and opens it where it is closed.",
+            tip: "Open this room, or bring it to the front.",
             words: "panel tab window",
             menu: "Window",
             when: always,
@@ -120,11 +120,11 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "edit.undo",
         label: "Undo",
-        tip: "Takes the last step back.",
+        tip: "Undo the last step.",
         words: "back revert",
         menu: "Edit",
         when: |editor| match editor.state.history.done() {
-            0 => Err("nothing was done yet"),
+            0 => Err("there is no step to undo"),
             _ => Ok(()),
         },
         run: |_, out| out.push(Event::Undo),
@@ -132,7 +132,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "edit.redo",
         label: "Redo",
-        tip: "Does the step again that was taken back last.",
+        tip: "Redo the step that was undone last.",
         words: "again forward",
         menu: "Edit",
         when: |editor| {
@@ -140,7 +140,7 @@ const ACTIONS: &[Own] = &[
             if history.steps().count() > history.done() {
                 Ok(())
             } else {
-                Err("nothing was taken back")
+                Err("there is no step to redo")
             }
         },
         run: |_, out| out.push(Event::Redo),
@@ -148,7 +148,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "edit.settings",
         label: "Settings…",
-        tip: "Scale, contrast, evaluation, navigation, saving.",
+        tip: "Interface scale, contrast, evaluation, navigation and saving.",
         words: "preferences options configure theme zoom autosave",
         menu: "Edit",
         when: always,
@@ -157,7 +157,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "evaluate.stop",
         label: "Stop",
-        tip: "Stops what is being evaluated; the last picture stays.",
+        tip: "Stop the running evaluation and keep the last picture.",
         words: "cancel abort escape",
         menu: "View",
         when: always,
@@ -166,7 +166,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "evaluate.now",
         label: "Evaluate now",
-        tip: "Makes all hair, whatever mode evaluation is in.",
+        tip: "Evaluate all hair now, in every evaluation mode.",
         words: "cook recompute refresh render update",
         menu: "View",
         when: always,
@@ -174,8 +174,8 @@ const ACTIONS: &[Own] = &[
     },
     Action {
         id: "evaluate.allow_large",
-        label: "Make it all the same",
-        tip: "Makes more hair than a groom is to have, as much as memory holds, until another document is opened.",
+        label: "Evaluate anyway",
+        tip: "Evaluate beyond the limit of 16.8 million points, up to the free memory, until another document is opened.",
         words: "allow large many points limit memory",
         menu: "View",
         when: |editor| match editor.state.is_too_large() {
@@ -187,7 +187,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "help.tour",
         label: "Tour",
-        tip: "Five minutes on this groom: every step is done by you.",
+        tip: "A five-minute tour on this groom; you do every step.",
         words: "tutorial learn first begin",
         menu: "Help",
         when: |editor| super::tour::possible(&editor.state),
@@ -196,7 +196,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "window.palette",
         label: "Find an action…",
-        tip: "Everything that can be done, by name.",
+        tip: "Search all actions by name.",
         words: "command palette search",
         menu: "Help",
         when: always,
@@ -205,7 +205,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "window.keys",
         label: "Keys and manual",
-        tip: "The keys of the room that keys are for now, and the manual of the active node.",
+        tip: "Keys of the focused room, and the manual of the active node.",
         words: "shortcuts hotkeys help",
         menu: "Help",
         when: always,
@@ -214,19 +214,19 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "window.menu",
         label: "Menu",
-        tip: "The menu of the right button: of what is under the pointer, or of the active node or row.",
+        tip: "Open the context menu of what is under the pointer, or of the active node or row.",
         words: "context right click",
         menu: "Window",
         when: |editor| match editor.state.focus {
             Room::Viewport | Room::Canvas | Room::Outliner => Ok(()),
-            _ => Err("this room has no menu of the right button"),
+            _ => Err("this room has no context menu"),
         },
         run: |_, out| out.push(Event::Window(Window::Menu)),
     },
     Action {
         id: "window.reset_layout",
         label: "Reset the layout",
-        tip: "Docks every room where it was at first.",
+        tip: "Dock every room in its default place.",
         words: "panels default",
         menu: "Window",
         when: always,
@@ -235,7 +235,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "window.next_room",
         label: "Next room",
-        tip: "Gives the keys to the next room.",
+        tip: "Move keyboard focus to the next room.",
         words: "focus cycle",
         menu: "Window",
         when: always,
@@ -244,7 +244,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "window.previous_room",
         label: "Previous room",
-        tip: "Gives the keys to the room before.",
+        tip: "Move keyboard focus to the previous room.",
         words: "focus cycle",
         menu: "Window",
         when: always,
@@ -257,7 +257,7 @@ const ACTIONS: &[Own] = &[
     Action {
         id: "window.templates",
         label: "Templates",
-        tip: "Hair that comes with coif, of your own and of shows: drag it among the nodes.",
+        tip: "Templates that come with coif, your own and those of a show. Drag one onto the canvas.",
         words: "library browser preset asset group recipe style add insert",
         menu: "Window",
         when: always,

@@ -45,7 +45,7 @@ pub(super) fn shares(dock: &DockState<Room>) -> Vec<Option<f32>> {
 
 /// The split whose border hands move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Held {
+pub(super) enum SplitGrip {
     None,
     /// Of this number.
     One(usize),
@@ -57,7 +57,7 @@ pub(super) enum Held {
 const REACH: f32 = 6.0;
 
 /// The split whose border the pointer holds, or that keys move.
-pub(super) fn held_split(dock: &DockState<Room>, ctx: &egui::Context) -> Held {
+pub(super) fn held_split(dock: &DockState<Room>, ctx: &egui::Context) -> SplitGrip {
     let id = egui::Id::new("held split");
     let (pressed, held, at) = ctx.input(|input| {
         let pointer = &input.pointer;
@@ -67,7 +67,7 @@ pub(super) fn held_split(dock: &DockState<Room>, ctx: &egui::Context) -> Held {
     let (Some(at), true) = (at, held) else {
         // Borders take arrow keys once Tab led to them.
         let keys = ctx.memory(|memory| memory.focused().is_some()) && !ctx.text_edit_focused();
-        return if keys { Held::Any } else { Held::None };
+        return if keys { SplitGrip::Any } else { SplitGrip::None };
     };
     let is_on = |node: &Node<Room>| match node {
         Node::Vertical(split) => {
@@ -85,22 +85,22 @@ pub(super) fn held_split(dock: &DockState<Room>, ctx: &egui::Context) -> Held {
         ctx.data_mut(|data| data.insert_temp(id, taken));
     }
     let taken = ctx.data(|data| data.get_temp::<Option<usize>>(id)).flatten();
-    taken.map_or(Held::None, Held::One)
+    taken.map_or(SplitGrip::None, SplitGrip::One)
 }
 
 /// Gives splits their shares back, but for the one that is held: a window that was small for a while, where no room has
 /// what it needs, changes none.
-pub(super) fn keep_shares(dock: &mut DockState<Room>, before: &[Option<f32>], held: Held) {
+pub(super) fn keep_shares(dock: &mut DockState<Room>, before: &[Option<f32>], held: SplitGrip) {
     let now = shares(dock);
     let same = now.len() == before.len()
         && now.iter().zip(before).all(|(a, b)| a.is_some() == b.is_some());
     // Somebody docked a room elsewhere.
-    if !same || held == Held::Any {
+    if !same || held == SplitGrip::Any {
         return;
     }
     for (at, (node, share)) in dock.main_surface_mut().iter_mut().zip(before).enumerate() {
         if let (Node::Vertical(split) | Node::Horizontal(split), Some(share)) = (node, share)
-            && held != Held::One(at)
+            && held != SplitGrip::One(at)
         {
             split.fraction = *share;
         }

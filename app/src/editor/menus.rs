@@ -71,15 +71,14 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                     let text = format!("evaluating {name} ({done} of {nodes}, {seconds:.1} s)");
                     ui.spinner();
                     ui.label(text);
-                    if ui.button("Stop").on_hover_text("Keeps the last picture (Escape)").clicked()
-                    {
+                    if ui.button("Stop").on_hover_text("Keep the last picture (Escape)").clicked() {
                         editor.act("evaluate.stop");
                     }
                 }
                 None if run.tracing.is_some() => {
                     ui.spinner();
                     ui.label("looking for what made the hair");
-                    if ui.button("Stop").on_hover_text("Stops looking for it (Escape)").clicked() {
+                    if ui.button("Stop").on_hover_text("Stop the search (Escape)").clicked() {
                         editor.act("evaluate.stop");
                     }
                 }

@@ -29,7 +29,7 @@ use crate::core::room::Room;
 use crate::core::settings::{Evaluate, Settings};
 use crate::core::shown::first_output;
 use crate::core::state::{OpenFile, State};
-use crate::jobs::evaluation::{Evaluation, Finished, Request};
+use crate::jobs::evaluation::{Evaluation, EvaluationRequest, Finished};
 use crate::places::Places;
 use crate::rooms::canvas::Canvas;
 use crate::rooms::history;
@@ -397,7 +397,7 @@ impl Editor {
         }
         self.forced = false;
         if let Some(evaluation) = &self.evaluation {
-            evaluation.ask(Request {
+            evaluation.ask(EvaluationRequest {
                 revision: wanted.revision,
                 document: self.state.document.clone(),
                 folder: wanted.folder.clone(),

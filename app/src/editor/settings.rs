@@ -56,7 +56,7 @@ impl Panel {
             if (slider.changed() || slider.drag_stopped()) && !slider.dragged() {
                 new.scale = percent / 100.0;
             }
-            if ui.button("100 %").on_hover_text("The size that the system asks for").clicked() {
+            if ui.button("100 %").on_hover_text("The system's own scale").clicked() {
                 new.scale = 1.0;
             }
         });
@@ -70,12 +70,12 @@ fn rows(new: &mut Settings, keys: &Keys, ui: &mut egui::Ui, out: &mut Vec<Event>
     ui.end_row();
     ui.label("Targets");
     ui.checkbox(&mut new.pen_mode, "large, for a pen")
-        .on_hover_text("What can be pressed is 32 points high instead of 24");
+        .on_hover_text("Buttons and fields are 32 points high instead of 24");
     ui.end_row();
     ui.label("Evaluate");
     ui.horizontal(|ui| {
         for (mode, word, tip) in [
-            (Evaluate::Live, "live", "At every change, also while something is dragged"),
+            (Evaluate::Live, "live", "At every change, also during a drag"),
             (Evaluate::OnRelease, "on release", "When a drag ends"),
             (Evaluate::ByKey, "by key", "When asked"),
         ] {
@@ -85,13 +85,13 @@ fn rows(new: &mut Settings, keys: &Keys, ui: &mut egui::Ui, out: &mut Vec<Event>
     ui.end_row();
     ui.label("While dragging");
     ui.checkbox(&mut new.final_while_dragging, "make all hair")
-        .on_hover_text("Instead of a tenth of the strands; slow grooms will lag behind the hand");
+        .on_hover_text("Instead of a tenth of the strands. Slow grooms lag behind the pointer");
     ui.end_row();
     let label = ui.label("Samples of a still");
     let samples = DragValue::new(&mut new.samples).range(SAMPLES).speed(1.0);
-    ui.add(samples).labelled_by(label.id).on_hover_text(
-        "How often a pixel is drawn while nothing moves; more is smoother and takes longer",
-    );
+    ui.add(samples)
+        .labelled_by(label.id)
+        .on_hover_text("Samples per pixel while nothing moves. More is smoother and slower");
     ui.end_row();
     ui.label("Turn the view");
     ui.horizontal(|ui| {
@@ -118,7 +118,7 @@ fn rows(new: &mut Settings, keys: &Keys, ui: &mut egui::Ui, out: &mut Vec<Event>
     ui.label("Save by itself");
     ui.horizontal(|ui| {
         let mut does = new.save_minutes > 0;
-        let tip = "Writes a groom that has a file. Recovery after a crash needs none of this";
+        let tip = "Saves a groom that has a file. Recovery after a crash works without it";
         if ui.checkbox(&mut does, "every").on_hover_text(tip).changed() {
             new.save_minutes = if does { 10 } else { 0 };
         }
@@ -132,7 +132,7 @@ fn rows(new: &mut Settings, keys: &Keys, ui: &mut egui::Ui, out: &mut Vec<Event>
     ui.end_row();
     ui.label("Keys");
     ui.horizontal(|ui| {
-        if ui.button("Show the keys").on_hover_text("Of the room that keys are for").clicked() {
+        if ui.button("Show the keys").on_hover_text("Keys of the focused room").clicked() {
             out.push(Event::Act("window.keys"));
         }
         if ui.button("Copy the table").on_hover_text(COPY_KEYS).clicked() {
@@ -150,5 +150,4 @@ fn rows(new: &mut Settings, keys: &Keys, ui: &mut egui::Ui, out: &mut Vec<Event>
     }
 }
 
-const COPY_KEYS: &str =
-    "As text for a file keys.ron beside the settings, whose lines go before the program's own";
+const COPY_KEYS: &str = "Copies the table as text for keys.ron, beside the settings. Its lines override the built-in keys";

@@ -250,9 +250,7 @@ fn panels_and_menus_leave_the_menu_bar_free_and_are_reached_whole() {
         }
         hands.click(view.center());
         let entry = |hands: &Hands, words: &str| hands.place(words).unwrap();
-        let (first, last) = ("Stop", "Select more of the kin");
-        let _ = last;
-        let top = entry(&hands, first);
+        let top = entry(&hands, "Stop");
         assert!(window.contains_rect(top), "{size:?} at {scale}: {top:?}");
         let lowest = |hands: &Hands| {
             let actions = super::actions::all().filter(|action| action.menu == "View");
@@ -302,6 +300,22 @@ fn a_click_beside_a_menu_or_a_search_closes_it_and_does_nothing_else() {
     assert_eq!(file::write(&hands.editor().state.document), strokes);
     hands.click(node);
     assert_eq!(chosen(&mut hands), [NodeId::new("rows").unwrap()].into());
+}
+
+#[test]
+fn tooltips_of_actions_have_two_lines_at_most() {
+    let hands = Hands::on(rows(), SIZE, 1.0);
+    let style = hands.0.ctx.global_style();
+    let (font, width) = (egui::TextStyle::Body.resolve(&style), style.spacing.tooltip_width);
+    let long: Vec<&str> = super::actions::all()
+        .filter(|action| {
+            let (tip, font) = (action.tip.to_owned(), font.clone());
+            let laid = hands.0.ctx.fonts_mut(|f| f.layout(tip, font, egui::Color32::WHITE, width));
+            laid.rows.len() > 2
+        })
+        .map(|action| action.tip)
+        .collect();
+    assert!(long.is_empty(), "longer than two lines: {long:#?}");
 }
 
 /// Where everything is that can be pressed in these rooms, but for what was asked to be left out.
@@ -366,7 +380,9 @@ fn an_export_and_a_changed_file_move_nothing() {
     };
     let before = rooms(&hands);
     let to = folder.path("hair.usdc");
-    hands.editor().apply(Event::Documents(crate::core::documents::Event::Export(to.clone())));
+    hands
+        .editor()
+        .apply(Event::Documents(crate::core::documents::DocumentEvent::Export(to.clone())));
     let mut seen = false;
     crate::testing::until("the export ends", || {
         hands.steps(1);
@@ -375,7 +391,9 @@ fn an_export_and_a_changed_file_move_nothing() {
         to.exists() && !hands.shows("Stop export")
     });
     assert!(seen, "the status line showed it");
-    hands.editor().apply(Event::Documents(crate::core::documents::Event::Open(path.clone())));
+    hands
+        .editor()
+        .apply(Event::Documents(crate::core::documents::DocumentEvent::Open(path.clone())));
     hands.steps(4);
     let before = rooms(&hands);
     std::fs::write(&path, file::write(&groom("puffs"))).unwrap();
@@ -516,7 +534,7 @@ fn a_search_says_why_it_found_something_and_sets_what_was_asked_for() {
     assert!(hands.shows("Cluster to strands: frizz"));
     hands.key(Key::Escape);
     search(&mut hands, "qqqq");
-    assert!(hands.shows("Nothing fits what was typed."));
+    assert!(hands.shows("Nothing matches."));
     hands.key(Key::Escape);
     search(&mut hands, "4c");
     assert!(hands.shows("Shape-list curl: preset 4c") || hands.shows("Shape list curl: preset 4c"));
@@ -566,12 +584,12 @@ fn failures_are_seen_with_reason_and_remedy_and_kept_and_old_news_leaves() {
     std::fs::set_permissions(&read_only, mode).unwrap();
     let broken = folder.path("broken.ron");
     std::fs::write(&broken, "(format: 1, nodes: {,").unwrap();
-    use crate::core::documents::Event as File;
+    use crate::core::documents::DocumentEvent;
     let cases = [
-        (File::SaveTo(folder.path("none/x.ron")), "not saved: ", "make the folder"),
-        (File::SaveTo(read_only.clone()), "is read-only", "choose another name"),
-        (File::Open(broken.clone()), "not opened: ", "mend it"),
-        (File::Open(folder.path("gone.ron")), "no such file", "look for it with Open"),
+        (DocumentEvent::SaveTo(folder.path("none/x.ron")), "not saved: ", "make the folder"),
+        (DocumentEvent::SaveTo(read_only.clone()), "is read-only", "choose another name"),
+        (DocumentEvent::Open(broken.clone()), "not opened: ", "mend it"),
+        (DocumentEvent::Open(folder.path("gone.ron")), "no such file", "look for it with Open"),
     ];
     for (event, why, remedy) in cases.clone() {
         hands.editor().apply(Event::Documents(event));
@@ -591,7 +609,7 @@ fn failures_are_seen_with_reason_and_remedy_and_kept_and_old_news_leaves() {
     assert!(hands.0.query_all_by_label_contains("make the folder").next().is_some(), "it is kept");
     // What was done leaves the status line.
     hands.editor().apply(Event::Show(Room::Canvas));
-    hands.editor().apply(Event::Documents(File::SaveTo(folder.path("x.ron"))));
+    hands.editor().apply(Event::Documents(DocumentEvent::SaveTo(folder.path("x.ron"))));
     // (The thread that saves takes its time.)
     for _ in 0..100 {
         hands.steps(2);
@@ -634,7 +652,7 @@ fn the_hair_and_the_symmetry_of_a_document_go_with_it() {
     assert!(hands.editor().state.shown.is_some());
     hands.editor().state.settings.pen.symmetry = true;
     assert!(hands.editor().state.settings.pen.symmetry);
-    hands.editor().apply(Event::Documents(crate::core::documents::Event::New(None)));
+    hands.editor().apply(Event::Documents(crate::core::documents::DocumentEvent::New(None)));
     let braids = |hands: &Hands| {
         let shown = hands.0.state().state.shown.as_ref();
         shown.is_some_and(|shown| shown.curves.curve_count() > 0)

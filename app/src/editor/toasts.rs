@@ -110,9 +110,9 @@ fn toast(note: &Note, ui: &mut egui::Ui, out: &mut Vec<Event>) -> bool {
             ui.vertical(|ui| {
                 ui.add(Label::new(&note.text).wrap());
                 ui.horizontal(|ui| {
-                    let tip = "It stays among the messages.";
+                    let tip = "It stays in Messages.";
                     away = ui.small_button("Put away").on_hover_text(tip).clicked();
-                    if ui.small_button("Messages").on_hover_text("Shows all of them").clicked() {
+                    if ui.small_button("Messages").on_hover_text("Show all messages").clicked() {
                         out.push(Event::Show(Room::Messages));
                     }
                 });

@@ -29,12 +29,12 @@ const STEPS: &[Step] = &[
     },
     Step {
         title: "Draw a row",
-        text: "Take Draw in the bar over the picture (P) and draw on the scalp from the hairline to the nape. Hair follows while you draw; Ctrl+Z takes the stroke back.",
+        text: "Pick Draw in the bar over the picture (P) and draw on the scalp from the hairline to the nape. Hair follows while you draw; Ctrl+Z undoes the stroke.",
         done: |before, editor| strokes(&editor.state.document) > before.strokes,
     },
     Step {
         title: "Braid with four strands",
-        text: "Click the node \u{201C}cornrows\u{201D} and set Strands from 3 to 4 in the inspector. Only what hangs from it runs.",
+        text: "Click the node \u{201C}cornrows\u{201D} and set Strands from 3 to 4 in the inspector. Only nodes downstream run again.",
         done: |before, editor| {
             let now = numbers(&editor.state.document, "lissajous_braid", "strands");
             now != before.strands && now.iter().any(|n| !before.strands.contains(n))
@@ -42,7 +42,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         title: "Widen the partings",
-        text: "Click the node \u{201C}parting hairs\u{201D}, open Placement in the inspector and drag Parting width. The scalp shows more.",
+        text: "Click the node \u{201C}parting hairs\u{201D}, open Placement in the inspector and drag Parting width. More scalp shows.",
         done: |before, editor| {
             let now = numbers(&editor.state.document, "edge_partition", "parting_width");
             now != before.partings
@@ -50,7 +50,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         title: "Sketch hair",
-        text: "Press H and draw over the braids or on bare skin: from the skin a cluster grows along the stroke, from a tip it goes on, over hair it is combed. 1, 2 and 3 say how deep a mouse reaches.",
+        text: "Press H and draw. From the skin, a stroke grows a cluster; from a tip, it lengthens one; over hair, it combs. With a mouse, 1, 2 and 3 set how deep it reaches.",
         done: |before, editor| gestures(&editor.state.document) > before.gestures,
     },
     Step {
@@ -60,7 +60,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         title: "That was it",
-        text: "The groom is yours to go on with. Ctrl+K finds everything that can be done, F1 shows the keys, Recipes begin other hair.",
+        text: "The groom is yours to go on with. Ctrl+K searches all actions, F1 shows the keys, Recipes start other hair.",
         done: |_, _| false,
     },
 ];
@@ -165,8 +165,11 @@ pub(crate) fn ui(editor: &mut Editor, ctx: &egui::Context) {
                 ui.horizontal(|ui| {
                     let last = number + 1 == STEPS.len();
                     next |=
-                        !last && ui.button("Skip").on_hover_text("Goes to the next step").clicked();
-                    stop = ui.button("End the tour").on_hover_text("Help has it again").clicked();
+                        !last && ui.button("Skip").on_hover_text("Go to the next step").clicked();
+                    stop = ui
+                        .button("End the tour")
+                        .on_hover_text("Start it again from the Help menu")
+                        .clicked();
                 });
             })
         });

@@ -3,7 +3,7 @@
 //! Guarantees: what is pressed beside an open list closes it and does nothing else; Escape closes the topmost of what is open.
 
 use super::{Editor, layout};
-use crate::core::documents::{Event as FileEvent, HeadChoice};
+use crate::core::documents::{DocumentEvent, HeadChoice};
 use crate::core::event::{Event, Window};
 use crate::core::room::Room;
 use crate::widgets::keyboard::escape_at;
@@ -116,11 +116,11 @@ impl Editor {
             KEYS => self.key_sheet = false,
             PEN => self.pen.settings_open = false,
             WELCOME => {
-                self.apply(Event::Documents(FileEvent::Welcome(false)));
+                self.apply(Event::Documents(DocumentEvent::Welcome(false)));
             }
             _ => {
                 let cancel = HeadChoice::Cancel;
-                self.apply(Event::Documents(FileEvent::Head(cancel)));
+                self.apply(Event::Documents(DocumentEvent::Head(cancel)));
             }
         }
         true

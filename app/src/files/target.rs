@@ -14,7 +14,7 @@ const MOST_LINKS: usize = 40;
 
 /// Where bytes go.
 #[derive(Debug)]
-pub(super) enum Target {
+pub(super) enum WriteTarget {
     /// A name that is no link: of a file that stands there, or of none yet.
     Name(PathBuf, Option<Metadata>),
     /// A device, a pipe, or a file that is already open: it is opened and written to.
@@ -24,7 +24,7 @@ pub(super) enum Target {
 }
 
 /// The same for two paths exactly when they lead to one file, there or to come.
-pub(super) type Place = (Node, Option<OsString>);
+pub(super) type FileIdentity = (Node, Option<OsString>);
 
 #[cfg(unix)]
 type Node = (u64, u64);
@@ -43,11 +43,11 @@ fn node(path: &Path) -> io::Result<Node> {
 }
 
 /// The place of what is there.
-pub(super) fn place_of(path: &Path) -> io::Result<Place> {
+pub(super) fn place_of(path: &Path) -> io::Result<FileIdentity> {
     Ok((node(path)?, None))
 }
 
-impl Target {
+impl WriteTarget {
     /// What `named` leads to; `-` is a name like any other.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl Target {
     }
 
     /// Where it is; none where any number may write.
-    pub(super) fn place(&self) -> io::Result<Option<Place>> {
+    pub(super) fn place(&self) -> io::Result<Option<FileIdentity>> {
         match self {
             Self::Name(at, Some(_)) => place_of(at).map(Some),
             Self::Name(at, None) => {

@@ -3,7 +3,7 @@
 //!
 //! It also knows what the command reads, so that nothing is written over that or twice, by whatever names and links.
 
-use super::target::{Place, Target, place_of};
+use super::target::{FileIdentity, WriteTarget, place_of};
 use super::temporary::{Temporary, step};
 use super::{put_text, said};
 use coif_graphs::schedule::run::CancelToken;
@@ -27,7 +27,7 @@ pub(crate) struct Together {
 /// What files are to a command, each told in words.
 #[derive(Default)]
 struct Roles {
-    of: BTreeMap<Place, (Role, String)>,
+    of: BTreeMap<FileIdentity, (Role, String)>,
     /// Nothing more will be read or written.
     are_all: bool,
 }
@@ -89,7 +89,7 @@ enum Written {
     /// It takes a name over.
     File(Temporary, PathBuf),
     /// It is sent somewhere.
-    Sent(Vec<u8>, Target),
+    Sent(Vec<u8>, WriteTarget),
 }
 
 /// A name that was taken over: with a second name of what it was before, or nothing where nothing was.
@@ -133,7 +133,7 @@ impl Together {
     /// # Errors
     /// In one line, where the same file is read or has been told of.
     pub(crate) fn writes(&mut self, path: &Path, role: Role, words: String) -> Result<(), String> {
-        let place = Target::at(path)
+        let place = WriteTarget::at(path)
             .and_then(|target| target.refuse_locked().map(|()| target))
             .and_then(|target| target.place().map_err(|err| said(&err)));
         match place {
@@ -146,7 +146,7 @@ impl Together {
         }
     }
 
-    fn takes(&mut self, place: Place, role: Role, words: String) -> Result<(), String> {
+    fn takes(&mut self, place: FileIdentity, role: Role, words: String) -> Result<(), String> {
         let roles = &mut self.roles().of;
         let Some((had, other)) = roles.get(&place) else {
             roles.insert(place, (role, words));
@@ -176,7 +176,7 @@ impl Together {
 
     /// Whether a file may be written for this role still.
     pub(crate) fn may_be(&self, path: &Path, role: Role) -> bool {
-        match Target::at(path).map(|target| target.place()) {
+        match WriteTarget::at(path).map(|target| target.place()) {
             Ok(Ok(Some(place))) => {
                 self.roles().of.get(&place).is_none_or(|(found, _)| *found == role)
             }
@@ -187,7 +187,8 @@ impl Together {
 
     /// The same while other files may still be told of: then only where no file stands yet.
     pub(crate) fn may_be_by_now(&self, path: &Path, role: Role) -> bool {
-        let is_new = || !matches!(Target::at(path), Ok(Target::Name(_, Some(_))) | Err(_));
+        let is_new =
+            || !matches!(WriteTarget::at(path), Ok(WriteTarget::Name(_, Some(_))) | Err(_));
         (self.roles().are_all || is_new()) && self.may_be(path, role)
     }
 
@@ -203,7 +204,7 @@ impl Together {
         cancel: &CancelToken,
         write: impl FnOnce(&mut Out) -> Result<(), String>,
     ) -> Result<(), String> {
-        let target = Target::at(named)?;
+        let target = WriteTarget::at(named)?;
         self.write_to(named, target, cancel, write)
     }
 
@@ -220,18 +221,18 @@ impl Together {
     /// The same for text that goes to standard output.
     pub(crate) fn print(&mut self, text: &str) -> Result<(), String> {
         let cancel = CancelToken::default();
-        self.write_to(Path::new("-"), Target::Output, &cancel, |out| put_text(out, text))
+        self.write_to(Path::new("-"), WriteTarget::Output, &cancel, |out| put_text(out, text))
     }
 
     fn write_to(
         &mut self,
         named: &Path,
-        target: Target,
+        target: WriteTarget,
         cancel: &CancelToken,
         write: impl FnOnce(&mut Out) -> Result<(), String>,
     ) -> Result<(), String> {
         let (sink, temporary) = match &target {
-            Target::Name(at, old) => {
+            WriteTarget::Name(at, old) => {
                 let made = Temporary::new(at, old.is_some()).map_err(|err| match err.kind() {
                     io::ErrorKind::PermissionDenied => "its folder may not be written".to_owned(),
                     // A folder of the system's own, such as /proc, says so of every name.
@@ -242,14 +243,14 @@ impl Together {
                 })?;
                 (Sink::File(made.1), Some(made.0))
             }
-            Target::Stream(_) | Target::Output => (Sink::Memory(Cursor::default()), None),
+            WriteTarget::Stream(_) | WriteTarget::Output => (Sink::Memory(Cursor::default()), None),
         };
         let stoppable = Stoppable { sink, cancel: cancel.clone() };
         let mut out = BufWriter::with_capacity(1 << 20, stoppable);
         write(&mut out)?;
         let whole = out.into_inner().map_err(|err| err.error().to_string())?;
         let written = match (whole.sink, temporary, target) {
-            (Sink::File(file), Some(temporary), Target::Name(at, old)) => {
+            (Sink::File(file), Some(temporary), WriteTarget::Name(at, old)) => {
                 if let Some(old) = old {
                     take_after(&file, &old).map_err(|err| said(&err))?;
                 }
@@ -373,10 +374,10 @@ fn give_back(at: &Path, old: Option<Temporary>) -> Result<(), String> {
 const LOOKS: Duration = Duration::from_millis(50);
 
 /// Writes to what is no file, on a thread of its own: a pipe that nobody reads lets it wait for ever.
-fn send(bytes: Vec<u8>, target: Target, cancel: &CancelToken) -> Result<(), String> {
+fn send(bytes: Vec<u8>, target: WriteTarget, cancel: &CancelToken) -> Result<(), String> {
     let (tell, told) = channel();
     let written = move || match target {
-        Target::Output => {
+        WriteTarget::Output => {
             let mut out = io::stdout().lock();
             match out.write_all(&bytes).and_then(|()| out.flush()) {
                 // A reader that went away is no error of ours.
@@ -384,7 +385,7 @@ fn send(bytes: Vec<u8>, target: Target, cancel: &CancelToken) -> Result<(), Stri
                 ended => ended,
             }
         }
-        Target::Stream(at) | Target::Name(at, _) => {
+        WriteTarget::Stream(at) | WriteTarget::Name(at, _) => {
             // What somebody else wrote to an open file before stays.
             let mut file = File::options().append(true).open(at)?;
             file.write_all(&bytes)

@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// A graph that can be evaluated for its outputs: edited as the options say, with nothing wrong on the way.
 pub(crate) struct Opened {
     pub(crate) document: Document,
-    pub(crate) outputs: Vec<Wanted>,
+    pub(crate) outputs: Vec<OutputRequest>,
     pub(crate) folder: PathBuf,
     pub(crate) graph: String,
     pub(crate) allow_large: bool,
@@ -43,7 +43,7 @@ pub(crate) struct Opened {
 /// What an evaluation gave.
 pub(crate) struct Evaluated {
     /// Each output, as it is written to files.
-    pub(crate) groups: Vec<export::Group>,
+    pub(crate) groups: Vec<export::HairGroup>,
     /// The heads that the outputs stand on.
     pub(crate) scalps: Vec<Arc<Scalp>>,
     /// Names of the sections that hair may be rooted in, by their ids.
@@ -185,7 +185,8 @@ impl Opened {
                 _ => groups.push(group),
             }
         }
-        let gives_none = |output: &&Wanted| format!("{graph}: {} gives no curves", output.socket);
+        let gives_none =
+            |output: &&OutputRequest| format!("{graph}: {} gives no curves", output.socket);
         match (groups.is_empty(), empty.is_empty()) {
             (true, true) => {
                 return Err(Stop::refused(format!("{graph}: no output gives curves")));
@@ -195,7 +196,7 @@ impl Opened {
             }
             // Such as bands that are not wound.
             (false, _) => report.warnings.extend(empty.iter().map(|output| {
-                let Wanted { socket, group, .. } = output;
+                let OutputRequest { socket, group, .. } = output;
                 format!("{socket} gives no curves: files have no group {:?}", short(group))
             })),
         }
@@ -230,7 +231,7 @@ impl Opened {
     }
 }
 
-impl Wanted {
+impl OutputRequest {
     /// The output's curves as files have them; none where somebody asked to stop.
     fn group(
         &self,
@@ -238,7 +239,7 @@ impl Wanted {
         (scalps, parted): (&[Arc<Scalp>], &[Arc<Scalp>]),
         (host, cancel): (&dyn Host, &CancelToken),
         report: &mut Report,
-    ) -> Option<export::Group> {
+    ) -> Option<export::HairGroup> {
         // The skin that keeps points added by export outside: of the only head, if there is one.
         let skin = match scalps {
             [only] => only.skin().for_hair(),
@@ -287,7 +288,7 @@ impl Wanted {
             reading_difference: changes.difference,
             root_drift_cm: root_drift(&curves),
         });
-        Some(export::Group { name: self.group.clone(), guides: self.guides, curves })
+        Some(export::HairGroup { name: self.group.clone(), guides: self.guides, curves })
     }
 }
 
@@ -332,16 +333,16 @@ fn head_of(socket: &Socket, scalp: &Scalp) -> Head {
 }
 
 /// One output to be given.
-pub(crate) struct Wanted {
+pub(crate) struct OutputRequest {
     pub(crate) socket: Socket,
     group: String,
     guides: bool,
 }
 
 /// The named outputs, or those of every `groom_output`.
-pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wanted>, Stop> {
+pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<OutputRequest>, Stop> {
     if named.is_empty() {
-        let all: Vec<Wanted> = document
+        let all: Vec<OutputRequest> = document
             .nodes
             .iter()
             .filter(|(_, node)| node.kind == "groom_output")
@@ -370,7 +371,7 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
             match def.output(&socket.name) {
                 None => Err(fault(format!(
                     "{} has no such output; it gives {}",
-                    def.told(),
+                    def.with_article(),
                     known.join(", ")
                 ))),
                 Some((_, out)) if out.ty != Type::Curves => {
@@ -382,7 +383,7 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Wante
         .collect()
 }
 
-fn wanted(document: &Document, socket: Socket) -> Wanted {
+fn wanted(document: &Document, socket: Socket) -> OutputRequest {
     let node = document.node(socket.node.as_str());
     let output = node.filter(|node| node.kind == "groom_output");
     let set = |name: &str| output.and_then(|node| node.inputs.get(name));
@@ -391,7 +392,7 @@ fn wanted(document: &Document, socket: Socket) -> Wanted {
         _ => socket.node.to_string(),
     };
     let guides = matches!(set("guides"), Some(Setting::Known(Value::Bool(true))));
-    Wanted { socket, group, guides }
+    OutputRequest { socket, group, guides }
 }
 
 impl Opened {

@@ -6,7 +6,7 @@
 //! Not guaranteed: that every request has an answer.
 
 use crate::core::lineage::{Ancestor, lineage};
-use crate::core::made::Made;
+use crate::core::made::HairTrace;
 use crate::core::shown::{Reports, RunStatus, Shown, Trace, displayed, first_output};
 use coif_graphs::document::graph::{self, downstream, upstream};
 use coif_graphs::document::{Document, Node, NodeId, Socket};
@@ -27,7 +27,7 @@ use std::time::Instant;
 
 /// What is to be evaluated.
 #[derive(Clone, Debug)]
-pub(crate) struct Request {
+pub(crate) struct EvaluationRequest {
     /// The number of the document's state.
     pub revision: u64,
     /// A snapshot.
@@ -52,14 +52,14 @@ pub(crate) struct Finished {
 
 #[derive(Default)]
 struct Desk {
-    next: Option<Request>,
+    next: Option<EvaluationRequest>,
     /// Another document, which is evaluated when nothing else is to be done, and what came out.
-    beside: Option<Request>,
+    beside: Option<EvaluationRequest>,
     finished_beside: Option<Finished>,
     trace: Option<Trace>,
     traced: Option<Vec<Ancestor>>,
     what_made: Option<Trace>,
-    made: Option<Made>,
+    made: Option<HairTrace>,
     running: Option<(CancelToken, Quality)>,
     /// Whether the run before was stopped for a newer one.
     stopped_last: bool,
@@ -114,7 +114,7 @@ impl Evaluation {
     }
 
     /// Asks for an evaluation instead of what was asked before.
-    pub(crate) fn ask(&self, request: Request) {
+    pub(crate) fn ask(&self, request: EvaluationRequest) {
         let mut desk = self.shared.desk();
         if let Some((cancel, quality)) = &desk.running {
             let let_through = desk.stopped_last
@@ -141,7 +141,7 @@ impl Evaluation {
 
     /// Asks for an evaluation of another document, instead of what was asked so before; answered when nothing else is to be done.
     /// What both documents have is made once.
-    pub(crate) fn ask_beside(&self, request: Request) {
+    pub(crate) fn ask_beside(&self, request: EvaluationRequest) {
         self.shared.desk().beside = Some(request);
         self.shared.work.notify_one();
     }
@@ -175,7 +175,7 @@ impl Evaluation {
     }
 
     /// What made the curve that was asked for last, once it is known or given up.
-    pub(crate) fn take_made(&self) -> Option<Made> {
+    pub(crate) fn take_made(&self) -> Option<HairTrace> {
         self.shared.desk().made.take()
     }
 
@@ -245,7 +245,7 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
                 (shared.wake)();
             } else if let Some(question) = desk.what_made.take() {
                 desk.running = Some((cancel.clone(), Quality::Final));
-                desk.status.tracing = Some(trace::Progress::default());
+                desk.status.tracing = Some(trace::TraceProgress::default());
                 drop(desk);
                 let made = what_made(shared, evaluator, question, &cancel);
                 let mut desk = shared.desk();
@@ -333,7 +333,7 @@ fn what_made(
     evaluator: &Evaluator,
     question: Trace,
     cancel: &CancelToken,
-) -> Made {
+) -> HairTrace {
     let Trace { id, document, folder, quality, allow_large } = question;
     let files = DiskFiles::new(&folder);
     let groom = trace::Groom { document: &document, files: &files, quality, allow_large };
@@ -343,7 +343,7 @@ fn what_made(
     };
     let outputs = displayed(&document);
     let traced = trace::trace(&groom, &outputs, id, (evaluator, cancel), &mut tell);
-    Made { traced, document }
+    HairTrace { traced, document }
 }
 
 /// The nodes of a document whose hair may be another than in the one before: those that changed, and what follows them.
@@ -360,7 +360,12 @@ fn changed(before: &Document, now: &Document) -> BTreeSet<NodeId> {
 }
 
 /// Evaluates another document, unless it is stopped.
-fn beside(shared: &Shared, evaluator: &Evaluator, request: &Request, cancel: &CancelToken) {
+fn beside(
+    shared: &Shared,
+    evaluator: &Evaluator,
+    request: &EvaluationRequest,
+    cancel: &CancelToken,
+) {
     let files = DiskFiles::new(&request.folder);
     let mut reports = Reports::default();
     let shown = evaluate(evaluator, request, &files, (cancel, &Quiet), &mut reports);
@@ -378,7 +383,7 @@ fn beside(shared: &Shared, evaluator: &Evaluator, request: &Request, cancel: &Ca
 
 fn evaluate(
     evaluator: &Evaluator,
-    request: &Request,
+    request: &EvaluationRequest,
     files: &DiskFiles,
     (cancel, told): (&CancelToken, &dyn Progress),
     reports: &mut Reports,

@@ -9,7 +9,7 @@ use coif_graphs::document::Document;
 use coif_graphs::schedule::result::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::formats::export::{self, About, Format, Group};
+use coif_nodes::formats::export::{self, About, Format, HairGroup};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub(crate) fn formats(out: &[PathBuf]) -> Result<Vec<Format>, Stop> {
 }
 
 /// What Alembic files leave out, a line each.
-pub(crate) fn left_out_of_abc(groups: &[Group]) -> impl Iterator<Item = String> {
+pub(crate) fn left_out_of_abc(groups: &[HairGroup]) -> impl Iterator<Item = String> {
     let left_out = groups.iter().filter(|group| export::is_left_out_of_abc(group, groups));
     left_out.map(|group| {
         format!(
@@ -44,7 +44,7 @@ pub(crate) fn left_out_of_abc(groups: &[Group]) -> impl Iterator<Item = String> 
 /// each file's number and path.
 pub(crate) fn write_files(
     document: &Document,
-    (groups, sections): (&[Group], &BTreeMap<u64, String>),
+    (groups, sections): (&[HairGroup], &BTreeMap<u64, String>),
     heads: &[Arc<Scalp>],
     wanted: &[(&Path, Format)],
     cancel: &CancelToken,

@@ -43,7 +43,7 @@ pub(crate) struct Report {
     /// The picture that was drawn; missing where none was asked for.
     #[cfg(feature = "render")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) picture: Option<Picture>,
+    pub(crate) picture: Option<PictureReport>,
     /// What became of the groom on another head; missing but for `coif fit`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) fit: Option<Fit>,
@@ -143,7 +143,7 @@ impl Serialize for ContentHash {
 /// A picture, or all those of a turntable.
 #[cfg(feature = "render")]
 #[derive(Serialize)]
-pub(crate) struct Picture {
+pub(crate) struct PictureReport {
     /// Every file that was written.
     pub(crate) files: Vec<String>,
     pub(crate) width: u32,
@@ -256,12 +256,12 @@ pub(crate) struct Node {
     pub(crate) messages: Vec<String>,
     /// What became of its gestures, in their order; missing where it has none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(crate) gestures: Vec<Gesture>,
+    pub(crate) gestures: Vec<GestureReport>,
 }
 
 /// One pen gesture, replayed on this head and these curves.
 #[derive(Serialize)]
-pub(crate) struct Gesture {
+pub(crate) struct GestureReport {
     /// Its number, as in messages: from 0 in drawing order.
     pub(crate) number: usize,
     pub(crate) id: u64,
@@ -282,7 +282,7 @@ pub(crate) struct Gesture {
     pub(crate) said: Vec<String>,
 }
 
-impl Gesture {
+impl GestureReport {
     fn new((number, replayed): (usize, &Replayed)) -> Self {
         let Replayed { id, tool, drift, turned, named, picked, changed, orphaned, said } =
             replayed.clone();
@@ -359,7 +359,7 @@ impl Report {
                 messages: node.messages.iter().map(ToString::to_string).collect(),
                 gestures: (0..)
                     .zip(node.gestures.iter().map(|one| &**one))
-                    .map(Gesture::new)
+                    .map(GestureReport::new)
                     .collect(),
             });
         }

@@ -54,14 +54,14 @@ pub(crate) fn of(
     files: &mut Together,
 ) -> Result<Thumbnail, Stop> {
     use super::evaluate::Opened;
-    use super::render::{Request, draw_one};
+    use super::render::{RenderRequest, draw_one};
     let opened = Opened::of(document.clone(), folder, "the template".to_owned(), false)?;
     // All hair, for a tenth of it is another style; few samples, for it is small.
-    let asked = Request {
+    let asked = RenderRequest {
         size: [size; 2],
         cameras: vec![camera.to_owned()],
         samples: 32,
-        ..Request::default()
+        ..RenderRequest::default()
     };
     let drawn = draw_one(&asked, &opened, cancel, tell, files)?;
     // Of three bytes base64 makes four.

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A file for a pack.
-pub(crate) struct Item {
+pub(crate) struct PackFile {
     /// Its name in the pack.
     pub(crate) name: String,
     pub(crate) from: Source,
@@ -47,10 +47,10 @@ pub(crate) struct Graph {
 
 /// What goes into a pack, in order.
 pub(crate) struct Gathered {
-    pub(crate) items: Vec<Item>,
+    pub(crate) items: Vec<PackFile>,
     pub(crate) document: Document,
     /// What was changed or left out, a line each.
-    pub(crate) told: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 /// The largest file that is taken for one that says a licence, and the most of them beside a file.
@@ -114,7 +114,7 @@ pub(crate) fn gather(graph: Graph, collect: bool) -> Result<Gathered, Vec<String
     let rest = std::mem::take(&mut bag.found);
     let told = std::mem::take(&mut bag.told);
     let items = items(std::iter::once((name, first)).chain(rest))?;
-    Ok(Gathered { items, document, told: told.into_iter().collect() })
+    Ok(Gathered { items, document, notes: told.into_iter().collect() })
 }
 
 /// The templates that a graph has instances of.
@@ -129,7 +129,7 @@ pub(crate) fn templates(document: &Document) -> Vec<Template> {
     template::instances(document).map(of).collect()
 }
 
-impl Item {
+impl PackFile {
     /// What a manifest says of it.
     pub(crate) fn packed(&self) -> Packed {
         let Self { name, size, hash, licence, author, .. } = self;
@@ -139,7 +139,7 @@ impl Item {
 }
 
 /// Files as items: under names that are safe everywhere, with their sizes and hashes.
-fn items(found: impl Iterator<Item = (String, Found)>) -> Result<Vec<Item>, Vec<String>> {
+fn items(found: impl Iterator<Item = (String, Found)>) -> Result<Vec<PackFile>, Vec<String>> {
     let (mut items, mut wrong) = (vec![], vec![]);
     for (name, Found { from, licence, author }) in found {
         if let Some(why) = names::fault(&name).or_else(|| kept(&name)) {
@@ -147,7 +147,7 @@ fn items(found: impl Iterator<Item = (String, Found)>) -> Result<Vec<Item>, Vec<
             continue;
         }
         match from.each_piece(|_| Ok(())) {
-            Ok((hash, size)) => items.push(Item { name, from, size, hash, licence, author }),
+            Ok((hash, size)) => items.push(PackFile { name, from, size, hash, licence, author }),
             Err(why) => wrong.push(format!("{}: {why}", short(&name))),
         }
     }

@@ -52,7 +52,7 @@ pub(crate) struct Manifest {
     pub(crate) templates: Vec<Template>,
     /// What the graph's outputs were when it was packed, where somebody asked for it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) outputs: Vec<Made>,
+    pub(crate) outputs: Vec<PackedOutput>,
 }
 
 /// One file.
@@ -89,7 +89,7 @@ pub(crate) struct Template {
 /// What an output was.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Made {
+pub(crate) struct PackedOutput {
     /// `node.socket`.
     pub(crate) output: String,
     /// The content hash of its curves.
@@ -98,12 +98,12 @@ pub(crate) struct Made {
 
 impl Manifest {
     /// What is said of files, the graph first.
-    pub(crate) fn of(items: &[gather::Item], document: &Document) -> Self {
+    pub(crate) fn of(items: &[gather::PackFile], document: &Document) -> Self {
         Self {
             format: FORMAT,
             program: format!("coif {}", env!("CARGO_PKG_VERSION")),
             graph: items.first().map(|item| item.name.clone()).unwrap_or_default(),
-            files: items.iter().map(gather::Item::packed).collect(),
+            files: items.iter().map(gather::PackFile::packed).collect(),
             templates: gather::templates(document),
             outputs: vec![],
         }
@@ -129,7 +129,7 @@ impl Manifest {
     }
 
     /// What it holds, a line each, for a person.
-    pub(crate) fn told(&self) -> Vec<String> {
+    pub(crate) fn lines(&self) -> Vec<String> {
         // On one line, whatever a manifest says.
         let line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
         let licence = |licence: &str, author: &str| match (&*line(licence), &*line(author)) {
@@ -166,7 +166,9 @@ impl Manifest {
             )
         }));
         lines.extend(
-            self.outputs.iter().map(|Made { output, hash }| format!("{output}: hash {hash}")),
+            self.outputs
+                .iter()
+                .map(|PackedOutput { output, hash }| format!("{output}: hash {hash}")),
         );
         let many = if self.files.len() == 1 {
             "1 file".to_owned()

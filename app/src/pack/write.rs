@@ -3,7 +3,7 @@
 //! Guaranteed: the same files give the same bytes on every machine (no clock, one level of compression in Rust, modes and system
 //! fixed), and a file that changes while it is packed is an error, never another pack than was told.
 
-use super::gather::{Item, Source};
+use super::gather::{PackFile, Source};
 use super::{EXTENSION, Hash, MANIFEST, Manifest};
 use std::fs::File;
 use std::io::{Read, Seek, Write};
@@ -28,7 +28,7 @@ pub(crate) fn named_as_pack(out: &Path) -> Result<(), String> {
 /// In one line, with the file that it is about.
 pub(crate) fn write(
     manifest: &Manifest,
-    items: &[Item],
+    items: &[PackFile],
     out: &mut (impl Write + Seek),
 ) -> Result<(), String> {
     let options = SimpleFileOptions::default()

@@ -12,8 +12,8 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     let steps: Vec<_> = state.history.steps().collect();
     ui.horizontal(|ui| {
         for (word, tip, event, can) in [
-            ("Undo", "Takes the last step back", Event::Undo, done > 0),
-            ("Redo", "Does it again", Event::Redo, done < steps.len()),
+            ("Undo", "Undo the last step", Event::Undo, done > 0),
+            ("Redo", "Redo it", Event::Redo, done < steps.len()),
         ] {
             if ui.add_enabled(can, egui::Button::new(word)).on_hover_text(tip).clicked() {
                 out.push(event);
@@ -35,7 +35,7 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
                 text = text.color(theme::QUIET).italics();
             }
             let line = ui.selectable_label(at == done, text);
-            if line.on_hover_text("Goes to the state after this step").clicked() {
+            if line.on_hover_text("Go to the state after this step").clicked() {
                 out.push(Event::Jump(at));
                 let changed = at.checked_sub(1).and_then(|at| steps.get(at));
                 let nodes = changed.map(|step| step.nodes().into_iter().collect());

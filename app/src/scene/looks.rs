@@ -33,14 +33,14 @@ pub(crate) fn file_of(document: &Document, folder: &Path, node: &NodeId) -> Opti
 }
 
 /// What a mesh file says of its looks; no picture is decoded yet.
-pub(crate) struct Named {
+pub(crate) struct HeadLooks {
     file: PathBuf,
     looks: Looks,
     /// The files beside it that were read.
     pub(crate) beside: Vec<PathBuf>,
 }
 
-impl Named {
+impl HeadLooks {
     /// Reads it; none where it is no mesh, which evaluation tells.
     pub(crate) fn read(file: &Path) -> Option<Self> {
         let bytes = read_at_most(file, MOST_MESH).ok()?;
@@ -66,7 +66,7 @@ impl Named {
         let mut remarks = std::mem::take(&mut self.looks.remarks);
         let mut materials = vec![];
         for material in &self.looks.materials {
-            let mut map = |map: &Option<looks::Map>, kind, what: &str| {
+            let mut map = |map: &Option<looks::TextureMap>, kind, what: &str| {
                 let map = map.as_ref()?;
                 let picture = pictures.get(map.picture)?;
                 let found = shown.picture(map.picture, picture, kind).and_then(|at| {
@@ -93,7 +93,7 @@ impl Named {
             materials.push((material, colour, normal));
         }
         let texels: Vec<Arc<Texels>> = shown.all.into_iter().map(Arc::new).collect();
-        let laid = |(at, map): (usize, looks::Map)| Map {
+        let laid = |(at, map): (usize, looks::TextureMap)| Map {
             texels: texels[at].clone(),
             set: map.set,
             picture_from_uv: map.picture_from_uv,
@@ -217,8 +217,8 @@ impl Kept {
             let stamp = about.and_then(|about| Some((about.modified().ok()?, about.len())));
             let same = |(path, at, _): &&(PathBuf, Stamp, _)| path == file && *at == stamp;
             let known = self.0.iter().find(same).map(|(.., looks)| looks.clone());
-            let looks =
-                known.unwrap_or_else(|| Named::read(file).map(|named| Arc::new(named.decoded())));
+            let looks = known
+                .unwrap_or_else(|| HeadLooks::read(file).map(|named| Arc::new(named.decoded())));
             kept.push((file.clone(), stamp, looks.clone()));
             looks
         });
@@ -253,7 +253,7 @@ mod tests {
         for (name, bytes) in all.iter().chain(files) {
             std::fs::write(folder.join(name), bytes).expect("a file");
         }
-        let named = Named::read(&folder.join("head.obj")).expect("a mesh");
+        let named = HeadLooks::read(&folder.join("head.obj")).expect("a mesh");
         let beside = named.beside.len();
         let looks = named.decoded();
         let _ = std::fs::remove_dir_all(&folder);

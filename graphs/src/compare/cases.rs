@@ -148,7 +148,7 @@ fn check_merge(ours: &[(&str, &str)], theirs: &[(&str, &str)], expected: Expect)
     assert_eq!(loaded.document, merged.document);
     assert_eq!(loaded.conflicts.len(), merged.conflicts.len());
     for (left, conflict) in loaded.conflicts.iter().zip(&merged.conflicts) {
-        assert!(left.message.contains("a merge left this to decide"), "{left} {conflict}");
+        assert!(left.message.contains("merge conflict"), "{left} {conflict}");
     }
 }
 

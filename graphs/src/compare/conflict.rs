@@ -6,7 +6,7 @@
 use super::diff::Change;
 use super::fact::{Fact, Said};
 use super::words::{cut, one_line, plain};
-use crate::document::{Document, Place, Setting};
+use crate::document::{Document, FileEntry, Setting};
 use crate::file::CONFLICT;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -121,42 +121,43 @@ fn exactly(said: &Said) -> String {
 }
 
 /// What a conflict tells of what theirs says of a fact.
-pub(super) fn as_told(fact: &Fact, said: Option<&Said>) -> String {
+pub(super) fn text_of_theirs(fact: &Fact, said: Option<&Said>) -> String {
     let text = said.map_or_else(|| fact.unsaid().to_owned(), exactly);
     one_line(&cut(&text, MOST_OF_THEIRS))
 }
 
 /// The same of ours.
-pub(super) fn told_of_ours(fact: &Fact, said: Option<&Said>) -> String {
+pub(super) fn text_of_ours(fact: &Fact, said: Option<&Said>) -> String {
     let text = said.map_or_else(|| fact.unsaid().to_owned(), exactly);
     one_line(&cut(&text, MOST_OF_OTHERS))
 }
 
 /// The nearest place that the document has: the entry itself, what it stands in, the top.
-pub(super) fn nearest(document: &Document, place: &Place) -> Place {
-    let field = |name: &str| Place::Field(name.to_owned());
+pub(super) fn nearest(document: &Document, place: &FileEntry) -> FileEntry {
+    let field = |name: &str| FileEntry::Field(name.to_owned());
     let mut place = place.clone();
     while !document.has(&place) {
         place = match place {
-            Place::Input(id, _)
-            | Place::NodeField(id, _)
-            | Place::Layout(id)
-            | Place::Collapsed(id) => Place::Node(id),
-            Place::Link(to) | Place::Bends(to) => Place::Node(to.node),
-            Place::Node(_) => field("nodes"),
-            Place::Frame(_) => field("frames"),
-            Place::View(_) => field("views"),
-            Place::Field(_) | Place::Top => Place::Top,
+            FileEntry::Input(id, _)
+            | FileEntry::NodeField(id, _)
+            | FileEntry::Layout(id)
+            | FileEntry::Collapsed(id) => FileEntry::Node(id),
+            FileEntry::Link(to) | FileEntry::Bends(to) => FileEntry::Node(to.node),
+            FileEntry::Node(_) => field("nodes"),
+            FileEntry::Frame(_) => field("frames"),
+            FileEntry::View(_) => field("views"),
+            FileEntry::Field(_) | FileEntry::Top => FileEntry::Top,
         };
     }
     place
 }
 
 /// Where a fact stands in a file.
-fn place(fact: &Fact) -> Place {
-    let field = |name: &str| Place::Field(name.to_owned());
-    let of_node =
-        |id: &crate::document::NodeId, name: &str| Place::NodeField(id.clone(), name.to_owned());
+fn place(fact: &Fact) -> FileEntry {
+    let field = |name: &str| FileEntry::Field(name.to_owned());
+    let of_node = |id: &crate::document::NodeId, name: &str| {
+        FileEntry::NodeField(id.clone(), name.to_owned())
+    };
     match fact {
         Fact::Title => field("title"),
         Fact::Note => field("note"),
@@ -171,19 +172,19 @@ fn place(fact: &Fact) -> Place {
         Fact::Bypass(id) => of_node(id, "bypass"),
         Fact::Ports(id) => of_node(id, "interface"),
         Fact::Template(id) => of_node(id, "template"),
-        Fact::Input(id, name) => Place::Input(id.clone(), name.clone()),
-        Fact::Wires(to) => Place::Link(to.clone()),
-        Fact::Frame(name) => Place::Frame(name.clone()),
-        Fact::View(name) => Place::View(name.clone()),
-        Fact::Layout(id) => Place::Layout(id.clone()),
-        Fact::Collapsed(id) => Place::Collapsed(id.clone()),
+        Fact::Input(id, name) => FileEntry::Input(id.clone(), name.clone()),
+        Fact::Wires(to) => FileEntry::Link(to.clone()),
+        Fact::Frame(name) => FileEntry::Frame(name.clone()),
+        Fact::View(name) => FileEntry::View(name.clone()),
+        Fact::Layout(id) => FileEntry::Layout(id.clone()),
+        Fact::Collapsed(id) => FileEntry::Collapsed(id.clone()),
         Fact::Comment(place) => place.clone(),
     }
 }
 
 /// Writes conflicts into a document, as comments.
 pub(super) fn write(document: &mut Document, conflicts: &[Conflict]) {
-    let mut by_place = BTreeMap::<Place, Vec<&Conflict>>::new();
+    let mut by_place = BTreeMap::<FileEntry, Vec<&Conflict>>::new();
     for conflict in conflicts {
         by_place.entry(nearest(document, &place(&conflict.fact))).or_default().push(conflict);
     }

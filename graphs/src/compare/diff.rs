@@ -1,7 +1,7 @@
 //! What two documents say otherwise, fact by fact.
 
 use super::fact::{Fact, Facts, Said, facts};
-use super::items::Item;
+use super::items::ListEntry;
 use super::lists::is_in_one_order;
 use crate::document::{Document, Setting};
 use coif_nodes::define::Value;
@@ -114,7 +114,7 @@ pub fn drawn(change: &Change) -> Option<Drawn> {
     if from.is_none() && to.is_none() {
         return None;
     }
-    fn between<T: Item>(from: Option<&Setting>, to: Option<&Setting>) -> Option<Drawn> {
+    fn between<T: ListEntry>(from: Option<&Setting>, to: Option<&Setting>) -> Option<Drawn> {
         Some(differing(T::of(from)?, T::of(to)?))
     }
     use coif_nodes::data::{gestures::Gesture, strokes::Stroke};
@@ -122,7 +122,7 @@ pub fn drawn(change: &Change) -> Option<Drawn> {
         .or_else(|| between::<Gesture>(from.as_ref(), to.as_ref()))
 }
 
-fn differing<T: Item>(from: &[T], to: &[T]) -> Drawn {
+fn differing<T: ListEntry>(from: &[T], to: &[T]) -> Drawn {
     let by_id = |all: &[T]| all.iter().map(T::id).zip(all.to_vec()).collect::<BTreeMap<u64, T>>();
     let (old, new) = (by_id(from), by_id(to));
     let ids = |all: &[T]| all.iter().map(T::id).collect::<Vec<u64>>();

@@ -5,7 +5,7 @@
 
 use crate::document::budget::Term;
 use crate::document::{
-    Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
+    Document, FileEntry, Frame, Node, NodeId, Origin, Point, SavedLook, SavedView, Setting, Socket,
     Thumbnail,
 };
 use coif_nodes::declared::Interface;
@@ -54,7 +54,7 @@ pub enum Fact {
     /// Whether a node is drawn small.
     Collapsed(NodeId),
     /// The comment before an entry.
-    Comment(Place),
+    Comment(FileEntry),
 }
 
 /// What a fact says. A fact that says what a document says without it (no note, seed 0) is not there.
@@ -126,13 +126,15 @@ impl Fact {
             | Fact::Collapsed(id) => Some(id),
             Fact::Wires(to) => Some(&to.node),
             Fact::Comment(place) => match place {
-                Place::Node(id)
-                | Place::NodeField(id, _)
-                | Place::Input(id, _)
-                | Place::Collapsed(id)
-                | Place::Layout(id) => Some(id),
-                Place::Link(to) | Place::Bends(to) => Some(&to.node),
-                Place::Top | Place::Field(_) | Place::Frame(_) | Place::View(_) => None,
+                FileEntry::Node(id)
+                | FileEntry::NodeField(id, _)
+                | FileEntry::Input(id, _)
+                | FileEntry::Collapsed(id)
+                | FileEntry::Layout(id) => Some(id),
+                FileEntry::Link(to) | FileEntry::Bends(to) => Some(&to.node),
+                FileEntry::Top | FileEntry::Field(_) | FileEntry::Frame(_) | FileEntry::View(_) => {
+                    None
+                }
             },
             Fact::Title
             | Fact::Note

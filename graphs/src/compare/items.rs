@@ -6,7 +6,7 @@ use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 
 /// What stands in a list of drawn things.
-pub(super) trait Item: Clone + 'static {
+pub(super) trait ListEntry: Clone + 'static {
     /// What one is called.
     const WORD: &str;
     /// Those of a setting; none of one that holds no such list. What is not set holds none of them.
@@ -49,7 +49,7 @@ fn each<T: bytemuck::NoUninit>(base: &[T], ours: &[T], theirs: &[T]) -> Option<V
     one(same_rows, &base, &ours, &theirs).map(<[T]>::to_vec)
 }
 
-impl Item for Stroke {
+impl ListEntry for Stroke {
     const WORD: &str = "stroke";
     fn of(setting: Option<&Setting>) -> Option<&[Self]> {
         match setting {
@@ -95,7 +95,7 @@ impl Item for Stroke {
     }
 }
 
-impl Item for Gesture {
+impl ListEntry for Gesture {
     const WORD: &str = "gesture";
     fn of(setting: Option<&Setting>) -> Option<&[Self]> {
         match setting {

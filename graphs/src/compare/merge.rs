@@ -10,11 +10,11 @@
 use super::conflict::{Clash, Conflict, nearest, write};
 use super::diff::Change;
 use super::fact::{Fact, Facts, Said, Wire, document, facts};
-use super::items::{Item, one};
+use super::items::{ListEntry, one};
 use super::lists::{in_one_order, numbered};
 use super::ports;
 use crate::document::graph::{Fault, check};
-use crate::document::{Document, Frame, NodeId, Place, Setting, Socket};
+use crate::document::{Document, FileEntry, Frame, NodeId, Setting, Socket};
 use crate::text::order::lot;
 use crate::text::write_value;
 use coif_nodes::data::gestures::Gesture;
@@ -43,7 +43,7 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     forget_types(&mut whole);
     merge.yielded.retain(|fact| fact.node().is_none_or(|id| whole.nodes.contains_key(id)));
     // A comment whose entry the other removed stands before what that stood in.
-    let lost: Vec<Place> =
+    let lost: Vec<FileEntry> =
         whole.comments.keys().filter(|place| !whole.has(place)).cloned().collect();
     for place in lost {
         let lines = whole.comments.remove(&place).unwrap_or_default();
@@ -468,7 +468,11 @@ impl Merge {
     }
 
     /// The strokes or gestures of an input that both changed; none where one of the three holds something else.
-    fn items<T: Item>(&mut self, fact: &Fact, all: [Option<&Setting>; 3]) -> Option<Option<Said>> {
+    fn items<T: ListEntry>(
+        &mut self,
+        fact: &Fact,
+        all: [Option<&Setting>; 3],
+    ) -> Option<Option<Said>> {
         let [b, o, t] = [T::of(all[0])?, T::of(all[1])?, T::of(all[2])?];
         let by_id = |list: &[T]| -> BTreeMap<u64, T> {
             list.iter().map(T::id).zip(list.to_vec()).collect()

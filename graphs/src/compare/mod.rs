@@ -28,4 +28,4 @@ pub use diff::{Change, Drawn, diff, drawn, is_same_hair};
 pub use fact::{Fact, Said, Wire};
 pub use merge::{Merged, merge};
 pub use undecided::{Undecided, undecided};
-pub use words::{Told, lines, told};
+pub use words::{ChangeLine, change_lines, lines};

@@ -2,6 +2,7 @@
 
 use super::fact::{document, facts};
 use super::*;
+use crate::document::graph::targets;
 use crate::document::testing::Random;
 use crate::document::{Document, NodeId};
 use crate::file::merges::{Repository, hash, pair};
@@ -36,6 +37,30 @@ fn facts_are_all_that_a_document_says() {
         let all = Random::new(seed).document();
         assert_eq!(document(facts(&all)), all, "seed {seed}");
     }
+}
+
+#[test]
+fn an_edit_that_changes_no_evaluation_leaves_the_same_hair() {
+    let (mut still, mut kinds) = (0, BTreeSet::new());
+    for seed in 0..600 {
+        let mut random = Random::new(seed);
+        let mut before = random.document();
+        for _ in 0..20 {
+            let (edit, mut after) = (random.edit(&before), before.clone());
+            if edit.apply(&mut after).is_err() {
+                continue;
+            }
+            if !edit.changes_evaluation() {
+                let changes = diff(&before, &after);
+                assert!(is_same_hair(&before, &after, &changes), "seed {seed}: {edit:?}");
+                assert_eq!(targets(&before), targets(&after), "seed {seed}: {edit:?}");
+                still += usize::from(!changes.is_empty());
+                kinds.insert(format!("{edit:?}").split([' ', '(']).next().map(str::to_owned));
+            }
+            before = after;
+        }
+    }
+    assert!(still > 1000 && kinds.len() >= 8, "{still} of {} kinds", kinds.len());
 }
 
 #[test]

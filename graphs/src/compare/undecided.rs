@@ -4,11 +4,11 @@
 //! where the comment holds all of it and it can be told for sure: a value, a name or a wire that both changed. Of a node that one
 //! removed, of strokes, and of what is longer than a comment holds, the other's file knows more than the comment does.
 
-use super::conflict::{as_told, told_of_ours};
+use super::conflict::{text_of_ours, text_of_theirs};
 use super::fact::{Fact, Facts, facts};
 use super::words::one_line;
 use crate::document::edit::Edit;
-use crate::document::{Document, NodeId, Place, Setting, Socket};
+use crate::document::{Document, FileEntry, NodeId, Setting, Socket};
 use crate::file::CONFLICT;
 use crate::text::read_value;
 use coif_nodes::define::{Type, Value};
@@ -35,7 +35,7 @@ pub fn undecided(document: &Document) -> Vec<Undecided> {
         return vec![];
     }
     let said = facts(document);
-    let at = |(place, lines): (&Place, &Vec<String>)| {
+    let at = |(place, lines): (&FileEntry, &Vec<String>)| {
         let of_line = |(n, line): (usize, &String)| {
             let text = line.strip_prefix(CONFLICT)?.trim().to_owned();
             let mut others = lines.clone();
@@ -56,7 +56,7 @@ pub fn undecided(document: &Document) -> Vec<Undecided> {
 fn taking(document: &Document, said: &Facts, node: Option<&NodeId>, text: &str) -> Option<Edit> {
     let (fact, theirs) = candidates(document, said, node).into_iter().find_map(|fact| {
         let rest = text.strip_prefix(&one_line(&format!("{fact}: base ")))?;
-        let ours = format!(", ours {}, theirs ", told_of_ours(&fact, said.get(&fact)));
+        let ours = format!(", ours {}, theirs ", text_of_ours(&fact, said.get(&fact)));
         // Where that is there twice, one of them is within a text.
         let (_, theirs) = rest.split_once(&ours)?;
         (!theirs.contains(&ours)).then(|| (fact, theirs.to_owned()))
@@ -65,7 +65,7 @@ fn taking(document: &Document, said: &Facts, node: Option<&NodeId>, text: &str) 
     // It is what theirs says, or nothing.
     let mut after = document.clone();
     edit.apply(&mut after).ok()?;
-    (as_told(&fact, facts(&after).get(&fact)) == theirs).then_some(edit)
+    (text_of_theirs(&fact, facts(&after).get(&fact)) == theirs).then_some(edit)
 }
 
 /// The facts that a comment before this node, or before none, may be about and an edit can say.

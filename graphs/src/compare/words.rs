@@ -6,7 +6,7 @@
 use super::diff::{Change, Drawn, diff, drawn, value};
 use super::fact::{Fact, Limit, Said};
 use super::lists::{is_in_one_order, numbered};
-use crate::document::{Document, NodeId, Place, Setting, Socket};
+use crate::document::{Document, FileEntry, NodeId, Setting, Socket};
 use crate::text::write_value;
 use coif_nodes::data::gestures::{Gestures, Tool};
 use coif_nodes::declared::{Interface, Port};
@@ -56,11 +56,11 @@ impl fmt::Display for Fact {
             Fact::Collapsed(id) => write!(f, "{id}: drawn small"),
             Fact::Comment(place) => {
                 let node = self.node().map_or_else(String::new, |id| format!(" of {id}"));
-                let (Place::Frame(name)
-                | Place::View(name)
-                | Place::Field(name)
-                | Place::NodeField(_, name)
-                | Place::Input(_, name)) = place
+                let (FileEntry::Frame(name)
+                | FileEntry::View(name)
+                | FileEntry::Field(name)
+                | FileEntry::NodeField(_, name)
+                | FileEntry::Input(_, name)) = place
                 else {
                     return write!(f, "comment{node}");
                 };
@@ -130,7 +130,7 @@ impl Said {
 
 /// A line on what changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Told {
+pub struct ChangeLine {
     /// The node that it is about, if it is about one.
     pub node: Option<NodeId>,
     /// What changed.
@@ -140,13 +140,13 @@ pub struct Told {
 /// All that changed from `a` to `b`, a line each, as a groomer says it: the document's own, then node by node, then what stands
 /// beside. Where things stand on the canvas is told in numbers, and only where `all` is asked for.
 pub fn lines(a: &Document, b: &Document, all: bool) -> Vec<String> {
-    told(a, b, &diff(a, b), all).into_iter().map(|line| line.text).collect()
+    change_lines(a, b, &diff(a, b), all).into_iter().map(|line| line.text).collect()
 }
 
 /// The same of changes that are known, each with the node that it is about.
-pub fn told(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<Told> {
+pub fn change_lines(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<ChangeLine> {
     let telling = Telling { a, b };
-    let of_none = |text: String| Told { node: None, text };
+    let of_none = |text: String| ChangeLine { node: None, text };
     let mut of_node = BTreeMap::<&NodeId, Vec<&Change>>::new();
     let (mut before, mut behind, mut comments) = (vec![], vec![], 0);
     for change in changes {
@@ -178,9 +178,9 @@ pub fn told(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<To
     of_node.retain(|id, _| !alone.contains(*id));
     let nodes = of_node.into_iter().flat_map(|(id, changes)| {
         let texts = telling.of_node(id, &changes).into_iter();
-        texts.map(|text| Told { node: Some(id.clone()), text })
+        texts.map(|text| ChangeLine { node: Some(id.clone()), text })
     });
-    let mut lines: Vec<Told> = before.into_iter().chain(nodes).chain(behind).collect();
+    let mut lines: Vec<ChangeLine> = before.into_iter().chain(nodes).chain(behind).collect();
     lines.extend(
         (comments > 0).then(|| of_none(format!("{} changed", counted(comments, "comment")))),
     );

@@ -7,8 +7,8 @@
 
 use super::budget::Budget;
 use super::{
-    Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket, Thumbnail,
-    graph,
+    Document, FileEntry, Frame, Node, NodeId, Point, SavedLook, SavedView, Setting, Socket,
+    Thumbnail, graph,
 };
 use crate::values;
 use coif_nodes::data::gestures::Gesture;
@@ -21,6 +21,7 @@ use wires::{
 };
 
 mod between;
+mod effect;
 mod lists;
 mod wires;
 
@@ -174,7 +175,7 @@ pub enum Edit {
     /// Sets the comment lines before an entry; each is one line with its `//`, none removes them.
     SetComment {
         /// Before what.
-        place: Place,
+        place: FileEntry,
         /// Lines.
         lines: Vec<String>,
     },
@@ -324,7 +325,7 @@ impl Edit {
         let comments = document.comments.clone();
         let inverse = self.change(document)?;
         // Comments go with what they stood before, and come back with it.
-        let lost: Vec<Place> =
+        let lost: Vec<FileEntry> =
             document.comments.keys().filter(|place| !document.has(place)).cloned().collect();
         if lost.is_empty() {
             return Ok(inverse);

@@ -255,11 +255,7 @@ pub fn head_at_hand(document: &Document) -> Option<NodeId> {
 
 /// A seed that no node of a document has, so that two nodes of a kind differ.
 pub fn free_seed(document: &Document) -> i64 {
-    let seed = |node: &Node| match node.inputs.get("seed") {
-        Some(Setting::Known(Value::Int(seed))) => Some(*seed),
-        _ => None,
-    };
-    let seeds: BTreeSet<i64> = document.nodes.values().filter_map(|node| seed(node)).collect();
+    let seeds: BTreeSet<i64> = document.nodes.values().filter_map(|node| node.seed()).collect();
     (1..).find(|seed| !seeds.contains(seed)).unwrap_or(1)
 }
 

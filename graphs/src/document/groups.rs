@@ -9,7 +9,7 @@
 
 use super::edit::Edit;
 use super::graph::{self, Fault, Problem, problem};
-use super::{Document, Node, NodeId, Place, Point, Setting, Socket};
+use super::{Document, FileEntry, Node, NodeId, Point, Setting, Socket};
 use crate::values;
 use coif_nodes::declared::{self, Interface, Port};
 use coif_nodes::define::{Arity, InputDef, Type};
@@ -61,15 +61,17 @@ pub(super) fn check(document: &Document, id: &NodeId, node: &Node, problems: &mu
 /// The document with other ids; `to` must give each a new one of its own.
 pub(crate) fn renamed(document: &Document, to: impl Fn(&NodeId) -> NodeId) -> Document {
     let socket = |s: &Socket| Socket { node: to(&s.node), name: s.name.clone() };
-    let place = |place: &Place| match place {
-        Place::Node(id) => Place::Node(to(id)),
-        Place::NodeField(id, name) => Place::NodeField(to(id), name.clone()),
-        Place::Input(id, name) => Place::Input(to(id), name.clone()),
-        Place::Link(s) => Place::Link(socket(s)),
-        Place::Bends(s) => Place::Bends(socket(s)),
-        Place::Collapsed(id) => Place::Collapsed(to(id)),
-        Place::Layout(id) => Place::Layout(to(id)),
-        Place::Top | Place::Field(_) | Place::Frame(_) | Place::View(_) => place.clone(),
+    let place = |place: &FileEntry| match place {
+        FileEntry::Node(id) => FileEntry::Node(to(id)),
+        FileEntry::NodeField(id, name) => FileEntry::NodeField(to(id), name.clone()),
+        FileEntry::Input(id, name) => FileEntry::Input(to(id), name.clone()),
+        FileEntry::Link(s) => FileEntry::Link(socket(s)),
+        FileEntry::Bends(s) => FileEntry::Bends(socket(s)),
+        FileEntry::Collapsed(id) => FileEntry::Collapsed(to(id)),
+        FileEntry::Layout(id) => FileEntry::Layout(to(id)),
+        FileEntry::Top | FileEntry::Field(_) | FileEntry::Frame(_) | FileEntry::View(_) => {
+            place.clone()
+        }
     };
     let wires = |all: &[Socket]| all.iter().map(socket).collect();
     Document {

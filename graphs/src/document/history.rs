@@ -13,9 +13,9 @@ use std::sync::Arc;
 /// What was done to a document, and what was taken back.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    done: Vec<Step>,
-    undone: Vec<Step>,
-    open: Option<Step>,
+    done: Vec<HistoryStep>,
+    undone: Vec<HistoryStep>,
+    open: Option<HistoryStep>,
     /// How many steps were done when the document was saved; none when that state cannot be reached
     /// any more.
     saved: Option<usize>,
@@ -23,14 +23,14 @@ pub struct History {
 
 /// One step of a history.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct HistoryStep {
     /// What it did, for people: "front rows: strands 3 to 4".
     pub words: String,
     /// What leads to the other side: inverses in the order in which the edits happened.
     back: Vec<Edit>,
 }
 
-impl Step {
+impl HistoryStep {
     /// The nodes that the step changed, for showing what it did. They need not exist now.
     pub fn nodes(&self) -> BTreeSet<NodeId> {
         let mut nodes = BTreeSet::new();
@@ -95,7 +95,9 @@ impl History {
         let inverse = edit.apply(document)?;
         match &mut self.open {
             Some(step) => push(step, inverse),
-            None => self.commit(document, Step { words: String::new(), back: vec![inverse] }),
+            None => {
+                self.commit(document, HistoryStep { words: String::new(), back: vec![inverse] })
+            }
         }
         Ok(())
     }
@@ -109,11 +111,11 @@ impl History {
         let inverse = edit.apply(document)?;
         match self.done.pop() {
             Some(step) if matches!(&step.back[..], [one] if one.covers(&inverse)) => {
-                self.commit(document, Step { words: String::new(), back: step.back });
+                self.commit(document, HistoryStep { words: String::new(), back: step.back });
             }
             last => {
                 self.done.extend(last);
-                self.commit(document, Step { words: String::new(), back: vec![inverse] });
+                self.commit(document, HistoryStep { words: String::new(), back: vec![inverse] });
             }
         }
         Ok(())
@@ -123,7 +125,7 @@ impl History {
     /// empty. Ends a gesture that is still open.
     pub fn begin(&mut self, document: &Document, words: &str) {
         self.end(document);
-        self.open = Some(Step { words: words.to_owned(), back: vec![] });
+        self.open = Some(HistoryStep { words: words.to_owned(), back: vec![] });
     }
 
     /// Calls the open gesture something else: what it did is often known at its end alone.
@@ -183,7 +185,7 @@ impl History {
 
     /// Every step in the order of doing; the first [`History::done`] of them are done, the others
     /// taken back.
-    pub fn steps(&self) -> impl Iterator<Item = &Step> {
+    pub fn steps(&self) -> impl Iterator<Item = &HistoryStep> {
         self.done.iter().chain(self.undone.iter().rev())
     }
 
@@ -223,7 +225,7 @@ impl History {
         }
     }
 
-    fn commit(&mut self, document: &Document, mut step: Step) {
+    fn commit(&mut self, document: &Document, mut step: HistoryStep) {
         if step.words.is_empty() {
             step.words = words(document, &step.back);
         }
@@ -235,7 +237,7 @@ impl History {
     }
 }
 
-fn push(step: &mut Step, inverse: Edit) {
+fn push(step: &mut HistoryStep, inverse: Edit) {
     // Only the last entry may stand for the newer one: between others, the order of edits matters.
     if !step.back.last().is_some_and(|last| last.covers(&inverse)) {
         step.back.push(inverse);
@@ -244,7 +246,7 @@ fn push(step: &mut Step, inverse: Edit) {
 
 /// Goes to the other side of a step; gives the step that leads back. On an error the document is as
 /// before.
-fn turn(document: &mut Document, step: Step) -> Result<Step, EditError> {
+fn turn(document: &mut Document, step: HistoryStep) -> Result<HistoryStep, EditError> {
     let edits: Vec<Edit> = step.back.into_iter().rev().collect();
     let back = match Edit::Several(edits).apply(document)? {
         Edit::Several(mut inverse) => {
@@ -253,7 +255,7 @@ fn turn(document: &mut Document, step: Step) -> Result<Step, EditError> {
         }
         other => vec![other],
     };
-    Ok(Step { words: step.words, back })
+    Ok(HistoryStep { words: step.words, back })
 }
 
 /// What edits did, said from their inverses and what came out.

@@ -66,7 +66,7 @@ pub struct Document {
     pub thumbnail: Option<Thumbnail>,
     /// Comment lines of a hand-edited file, each with its `//`, by the entry that they stand
     /// before.
-    pub comments: BTreeMap<Place, Vec<String>>,
+    pub comments: BTreeMap<FileEntry, Vec<String>>,
 }
 
 /// An id as [`Document::free_id`] made it: its stem, and the number behind that.
@@ -299,7 +299,7 @@ impl fmt::Debug for Socket {
 
 /// An entry of a document's file, before which comment lines can stand.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum FileEntry {
     /// The document itself.
     Top,
     /// A field of the document.
@@ -324,18 +324,25 @@ pub enum Place {
     Layout(NodeId),
 }
 
-impl Place {
+impl FileEntry {
     /// What an entry of a list is called there; of anything else nothing.
     pub(crate) fn name(&self) -> String {
         match self {
-            Place::Node(id) => id.to_string(),
-            Place::Frame(name) | Place::View(name) => name.clone(),
+            FileEntry::Node(id) => id.to_string(),
+            FileEntry::Frame(name) | FileEntry::View(name) => name.clone(),
             _ => String::new(),
         }
     }
 }
 
 impl Node {
+    /// The seed it is set to, which is in the ids of its curves; `None` where it has none or the default.
+    pub fn seed(&self) -> Option<i64> {
+        match self.inputs.get("seed") {
+            Some(Setting::Known(Value::Int(seed))) => Some(*seed),
+            _ => None,
+        }
+    }
     /// Whether it gives a head.
     pub fn is_head(&self) -> bool {
         self.kind == "head"
@@ -496,14 +503,7 @@ impl Document {
             .and_then(|def| def.input("seed"))
             .is_some_and(|(_, input)| input.ty == Type::Int);
         if seeded {
-            let taken: Vec<i64> = self
-                .nodes
-                .values()
-                .filter_map(|node| match node.inputs.get("seed") {
-                    Some(Setting::Known(Value::Int(tag))) => Some(*tag),
-                    _ => None,
-                })
-                .collect();
+            let taken: Vec<i64> = self.nodes.values().filter_map(|node| node.seed()).collect();
             let mut tag = 0;
             for n in 0.. {
                 let drawn = KeyBuilder::new("seed tag").text(id.as_str()).int(n).finish().0;
@@ -524,7 +524,7 @@ impl Document {
         self.layout.retain(|id, _| self.nodes.contains_key(id));
         self.collapsed.retain(|id| self.nodes.contains_key(id));
         self.bends.retain(|to, _| self.links.contains_key(to));
-        let lost: Vec<Place> =
+        let lost: Vec<FileEntry> =
             self.comments.keys().filter(|place| !self.has(place)).cloned().collect();
         lost.iter().for_each(|place| drop(self.comments.remove(place)));
         self.display = self.display.take().filter(|id| self.nodes.contains_key(id));
@@ -532,10 +532,10 @@ impl Document {
 
     /// Whether a file of this document has an entry at `place`. Comments elsewhere have nothing to
     /// stand before.
-    pub fn has(&self, place: &Place) -> bool {
+    pub fn has(&self, place: &FileEntry) -> bool {
         match place {
-            Place::Top => true,
-            Place::Field(name) => match name.as_str() {
+            FileEntry::Top => true,
+            FileEntry::Field(name) => match name.as_str() {
                 "format" | "title" | "seed" | "nodes" => true,
                 "note" => !self.note.is_empty(),
                 "budget" => !self.budget.is_empty(),
@@ -548,8 +548,8 @@ impl Document {
                 "thumbnail" => self.thumbnail.is_some(),
                 _ => false,
             },
-            Place::Node(id) => self.nodes.contains_key(id),
-            Place::NodeField(id, name) => {
+            FileEntry::Node(id) => self.nodes.contains_key(id),
+            FileEntry::NodeField(id, name) => {
                 self.node(id.as_str()).is_some_and(|node| match name.as_str() {
                     "kind" => true,
                     "label" => node.label.is_some(),
@@ -568,15 +568,15 @@ impl Document {
                     _ => false,
                 })
             }
-            Place::Input(id, name) => {
+            FileEntry::Input(id, name) => {
                 self.node(id.as_str()).is_some_and(|node| node.inputs.contains_key(name))
             }
-            Place::Link(socket) => self.links.contains_key(socket),
-            Place::Frame(name) => self.frames.contains_key(name),
-            Place::Bends(socket) => self.bends.contains_key(socket),
-            Place::Collapsed(id) => self.collapsed.contains(id),
-            Place::View(name) => self.views.contains_key(name),
-            Place::Layout(id) => self.layout.contains_key(id),
+            FileEntry::Link(socket) => self.links.contains_key(socket),
+            FileEntry::Frame(name) => self.frames.contains_key(name),
+            FileEntry::Bends(socket) => self.bends.contains_key(socket),
+            FileEntry::Collapsed(id) => self.collapsed.contains(id),
+            FileEntry::View(name) => self.views.contains_key(name),
+            FileEntry::Layout(id) => self.layout.contains_key(id),
         }
     }
 }

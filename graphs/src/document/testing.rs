@@ -3,14 +3,14 @@
 use super::budget::{Budget, Term};
 use super::edit::Edit;
 use super::{
-    Document, Frame, Node, NodeId, Origin, Place, Point, SavedLook, SavedView, Setting, Socket,
+    Document, FileEntry, Frame, Node, NodeId, Origin, Point, SavedLook, SavedView, Setting, Socket,
     Thumbnail, gestures, strokes, thumbnail,
 };
 use crate::values;
 use coif_nodes::data::field::Field;
-use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use coif_nodes::data::gestures::{Gesture, GestureView, Gestures, Layer, PenSample, Tool};
 use coif_nodes::data::ramp::{Blend, Ramp};
-use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
 use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use coif_nodes::declared::{self, Interface, Port};
 use coif_nodes::define::{Arity, NodeDef, Type, Unit, Value};
@@ -97,17 +97,20 @@ impl Random {
         }
     }
     fn shapes(&mut self) -> ShapeList {
-        let mut list = vec![(Tier::A, Section::Circle)];
+        let mut list = vec![(Tier::A, TurnProfile::Circle)];
         for _ in 0..self.below(5) {
             let section = match self.below(6) {
-                0 => Section::Circle,
-                1 => Section::Ellipse(0.01 + 0.99 * self.unit()),
-                2 => Section::Lame(0.3 + 19.0 * self.unit()),
-                3 => Section::Polygon(3 + self.below(10) as u32),
-                4 => Section::Rose { petals: 2 + self.below(11) as u32, depth: 0.95 * self.unit() },
+                0 => TurnProfile::Circle,
+                1 => TurnProfile::Ellipse(0.01 + 0.99 * self.unit()),
+                2 => TurnProfile::Lame(0.3 + 19.0 * self.unit()),
+                3 => TurnProfile::Polygon(3 + self.below(10) as u32),
+                4 => TurnProfile::Rose {
+                    petals: 2 + self.below(11) as u32,
+                    depth: 0.95 * self.unit(),
+                },
                 _ => {
                     let corner = |k: usize| Vec2::new(k as f32 * 1.1, (k * k) as f32);
-                    Section::Custom((0..3 + self.below(5)).map(corner).collect())
+                    TurnProfile::Custom((0..3 + self.below(5)).map(corner).collect())
                 }
             };
             list.push((self.pick(&[Tier::A, Tier::B, Tier::C]), section));
@@ -185,7 +188,7 @@ impl Random {
             id: 0,
             tool: self.pick(Tool::ALL).0,
             layer: self.pick(Layer::ALL).0,
-            view: View {
+            view: GestureView {
                 eye,
                 target,
                 up,
@@ -352,11 +355,11 @@ impl Random {
     fn bends(&mut self) -> Vec<Point> {
         (0..self.below(4)).map(|_| Point(self.number(), self.number())).collect()
     }
-    fn place(&mut self) -> Place {
+    fn place(&mut self) -> FileEntry {
         let (id, input) = (self.id(), self.input());
         let field = |random: &mut Self, of: &[&str]| random.pick(of).to_owned();
         match self.below(11) {
-            0 => Place::Top,
+            0 => FileEntry::Top,
             1 => {
                 let names = [
                     "format",
@@ -373,9 +376,9 @@ impl Random {
                     "budget",
                     "layout",
                 ];
-                Place::Field(field(self, &names))
+                FileEntry::Field(field(self, &names))
             }
-            2 => Place::Node(id),
+            2 => FileEntry::Node(id),
             3 => {
                 let names = [
                     "kind",
@@ -388,15 +391,15 @@ impl Random {
                     "interface",
                     "template",
                 ];
-                Place::NodeField(id, field(self, &names))
+                FileEntry::NodeField(id, field(self, &names))
             }
-            4 => Place::Input(id, input),
-            5 => Place::Link(self.socket()),
-            6 => Place::Frame(self.text()),
-            7 => Place::Bends(self.socket()),
-            8 => Place::Collapsed(id),
-            9 => Place::View(self.text()),
-            _ => Place::Layout(id),
+            4 => FileEntry::Input(id, input),
+            5 => FileEntry::Link(self.socket()),
+            6 => FileEntry::Frame(self.text()),
+            7 => FileEntry::Bends(self.socket()),
+            8 => FileEntry::Collapsed(id),
+            9 => FileEntry::View(self.text()),
+            _ => FileEntry::Layout(id),
         }
     }
     /// An edit, possible or not.

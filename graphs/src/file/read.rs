@@ -5,7 +5,7 @@ use super::scan::{Scan, error_at, errors_at, scan};
 use super::{CONFLICT, FORMAT, FileError, Loaded, OLDEST, PART, upgrade};
 use crate::document::budget::Term;
 use crate::document::{
-    BadId, Document, Frame, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
+    BadId, Document, FileEntry, Frame, Node, NodeId, Point, SavedLook, SavedView, Setting, Socket,
     Thumbnail,
 };
 use crate::text::order::in_order;
@@ -121,13 +121,13 @@ impl FromStr for Input {
 
 /// A wire as the node says it that it comes from: `output to node.input`, and behind which other wire
 /// of that input, `after node.output`.
-pub(super) struct Wire {
+pub(super) struct WireEntry {
     output: Arc<str>,
     pub(super) to: Socket,
     after: Option<Socket>,
 }
 
-impl FromStr for Wire {
+impl FromStr for WireEntry {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
         let words: Vec<&str> = text.split_whitespace().collect();
@@ -148,7 +148,7 @@ impl FromStr for Wire {
     }
 }
 
-struct FileInto(Wire);
+struct FileInto(WireEntry);
 
 impl<'de> Deserialize<'de> for FileInto {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -303,10 +303,10 @@ pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     refuse_conflicts(text)?;
     let said = scan(text).values;
-    if said.contains_key(&Place::Field("format".to_owned())) {
+    if said.contains_key(&FileEntry::Field("format".to_owned())) {
         return read(text);
     }
-    let Some(at) = said.get(&Place::Field("coif_nodes".to_owned())) else {
+    let Some(at) = said.get(&FileEntry::Field("coif_nodes".to_owned())) else {
         let message = "these are no nodes: they begin with `(coif_nodes: 1`".to_owned();
         return Err(error_at(text, 0, message));
     };
@@ -391,10 +391,10 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn at(&self, place: &Place) -> usize {
+    fn at(&self, place: &FileEntry) -> usize {
         self.scan.values.get(place).copied().unwrap_or_default()
     }
-    fn warn(&mut self, place: &Place, message: String) {
+    fn warn(&mut self, place: &FileEntry, message: String) {
         let at = self.at(place);
         self.warnings.push((at, message));
     }
@@ -412,7 +412,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
     while let Some((id, mut node)) = open.pop() {
         if document.nodes.contains_key(&id) {
             let message = format!("{id}: it stands elsewhere in the file too: dropped");
-            reader.warn(&Place::Node(id), message);
+            reader.warn(&FileEntry::Node(id), message);
             continue;
         }
         for (inner, node) in std::mem::take(&mut node.nodes.0).into_iter().rev() {
@@ -422,7 +422,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
                     let most = crate::document::DEEPEST_GROUP;
                     let message =
                         format!("{inner} in {id}: groups are nested deeper than {most}: dropped");
-                    reader.warn(&Place::Node(id.clone()), message);
+                    reader.warn(&FileEntry::Node(id.clone()), message);
                 }
             }
         }
@@ -434,7 +434,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
             let from = from.0.into_iter().map(beside).collect();
             (Socket::new(id.clone(), &input.0), from)
         }));
-        for FileInto(Wire { output, to, after }) in std::mem::take(&mut node.into) {
+        for FileInto(WireEntry { output, to, after }) in std::mem::take(&mut node.into) {
             let from = Socket::new(id.clone(), &output);
             into.entry(beside(to)).or_default().push((from, after.map(beside)));
         }
@@ -449,7 +449,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
     }
     links.extend(groom.links.0.into_iter().map(|(to, FileWires(from))| (to, from)));
     for (written, from) in links {
-        let to = reader.present_input(&document, &written, Place::Link);
+        let to = reader.present_input(&document, &written, FileEntry::Link);
         let why = match document.links.entry(to) {
             _ if from.is_empty() => "an empty list of wires",
             Entry::Occupied(_) => "the input is wired elsewhere in the file too",
@@ -458,10 +458,10 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
                 continue;
             }
         };
-        reader.warn(&Place::Link(written.clone()), format!("{written}: {why}: dropped"));
+        reader.warn(&FileEntry::Link(written.clone()), format!("{written}: {why}: dropped"));
     }
     for (written, wires) in into {
-        let to = reader.present_input(&document, &written, Place::Link);
+        let to = reader.present_input(&document, &written, FileEntry::Link);
         let said: Vec<_> = wires.iter().map(|(from, after)| (from, after.as_ref())).collect();
         let ordered = in_order(&said).into_iter().map(|n| wires[n].0.clone());
         document.links.entry(to).or_default().extend(ordered);
@@ -471,7 +471,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
         document.display = id.filter(|id| document.nodes.contains_key(id));
         if document.display.is_none() {
             let message = format!("display: there is no node {:?}: dropped", groom.display);
-            reader.warn(&Place::Field("display".to_owned()), message);
+            reader.warn(&FileEntry::Field("display".to_owned()), message);
         }
     }
     reader.besides(&mut document, groom.frames, groom.bends, groom.collapsed, groom.views);
@@ -479,7 +479,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
     for (term, limit) in Term::ALL.into_iter().zip([seconds, points, mib]) {
         // Left out, it would be a limit that nobody holds.
         if let Err(why) = document.budget.set(term, limit) {
-            let at = reader.at(&Place::Field("budget".to_owned()));
+            let at = reader.at(&FileEntry::Field("budget".to_owned()));
             reader.refused.get_or_insert((at, format!("budget: {why}")));
         }
     }
@@ -487,7 +487,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
         let look = SavedLook { light, exposure, skin };
         match look.fault() {
             Some(why) => {
-                let place = Place::Field("look".to_owned());
+                let place = FileEntry::Field("look".to_owned());
                 reader.warn(&place, format!("look: {why}: dropped"));
             }
             None => document.look = Some(look),
@@ -497,7 +497,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
         match Thumbnail::from_text(&groom.thumbnail) {
             Ok(thumbnail) => document.thumbnail = Some(thumbnail),
             Err(why) => {
-                let place = Place::Field("thumbnail".to_owned());
+                let place = FileEntry::Field("thumbnail".to_owned());
                 reader.warn(&place, format!("thumbnail: {why}: dropped"));
             }
         }
@@ -507,7 +507,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
             reader.place(&mut document, &id, Point(x, y));
         } else {
             let message = format!("layout of {id}: there is no such node: dropped");
-            reader.warn(&Place::Layout(id), message);
+            reader.warn(&FileEntry::Layout(id), message);
         }
     }
     reader.finish(document)
@@ -524,7 +524,7 @@ impl Reader<'_> {
             document.layout.insert(id.clone(), at);
             return;
         };
-        self.warn(&Place::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
+        self.warn(&FileEntry::Layout(id.clone()), format!("layout of {id}: {why}: dropped"));
     }
 
     fn node(&mut self, document: &Document, id: &NodeId, file: FileNode) -> Node {
@@ -540,26 +540,26 @@ impl Reader<'_> {
             let (interface, said) = ports::interface(declared);
             node.interface = Some(interface);
             for what in said {
-                let place = Place::NodeField(id.clone(), "interface".to_owned());
+                let place = FileEntry::NodeField(id.clone(), "interface".to_owned());
                 self.warn(&place, format!("{id}: {what}"));
             }
         }
         let def = document.def_of(id, &node);
         if def.is_none() && !declared::KINDS.contains(&node.kind.as_str()) {
             let message = format!("{id}: unknown node kind {:?}: kept as it is", node.kind);
-            self.warn(&Place::NodeField(id.clone(), "kind".to_owned()), message);
+            self.warn(&FileEntry::NodeField(id.clone(), "kind".to_owned()), message);
         }
         if node.kind == declared::GROUP_OUTPUT && !file.inputs.0.is_empty() {
             let message = format!(
                 "{id}: what goes out of a group comes by wire: its values are kept as they are"
             );
-            self.warn(&Place::NodeField(id.clone(), "inputs".to_owned()), message);
+            self.warn(&FileEntry::NodeField(id.clone(), "inputs".to_owned()), message);
         }
         let def = def.filter(|_| node.kind != declared::GROUP_OUTPUT);
         let written: BTreeSet<String> =
             file.inputs.0.iter().map(|(name, _)| name.clone()).collect();
         for (name, raw) in file.inputs.0 {
-            let place = Place::Input(id.clone(), name.clone());
+            let place = FileEntry::Input(id.clone(), name.clone());
             let present = present_name(def, &name);
             if present != name && written.contains(&present) {
                 let message =
@@ -569,7 +569,7 @@ impl Reader<'_> {
             }
             if present != name {
                 let comments = self.scan.comments.remove(&place);
-                let renamed = Place::Input(id.clone(), present.clone());
+                let renamed = FileEntry::Input(id.clone(), present.clone());
                 self.scan.comments.extend(comments.map(|lines| (renamed, lines)));
             }
             let setting = self.setting(id, def, &place, &present, trimmed(raw.get_ron()));
@@ -582,7 +582,7 @@ impl Reader<'_> {
         &mut self,
         id: &NodeId,
         def: Option<&NodeDef>,
-        place: &Place,
+        place: &FileEntry,
         name: &str,
         text: &str,
     ) -> Setting {
@@ -626,13 +626,13 @@ impl Reader<'_> {
             match frame.fault(&name) {
                 Some(why) => {
                     let message = format!("frame {:?}: {why}: dropped", short(&name));
-                    self.warn(&Place::Frame(name), message);
+                    self.warn(&FileEntry::Frame(name), message);
                 }
                 None => drop(document.frames.insert(name, frame)),
             }
         }
         for (written, bends) in bends.0 {
-            let to = self.present_input(document, &written, Place::Bends);
+            let to = self.present_input(document, &written, FileEntry::Bends);
             let wires = document.links.get(&to).map_or(0, Vec::len);
             let bends: Vec<Vec<Point>> =
                 bends.into_iter().map(|wire| wire.into_iter().map(point).collect()).collect();
@@ -647,7 +647,7 @@ impl Reader<'_> {
                 continue;
             };
             self.warn(
-                &Place::Bends(written.clone()),
+                &FileEntry::Bends(written.clone()),
                 format!("bends of {written}: {why}: dropped"),
             );
         }
@@ -657,7 +657,7 @@ impl Reader<'_> {
                 Some(id) => drop(document.collapsed.insert(id)),
                 None => {
                     let place = NodeId::new(&name)
-                        .map_or(Place::Field("collapsed".to_owned()), Place::Collapsed);
+                        .map_or(FileEntry::Field("collapsed".to_owned()), FileEntry::Collapsed);
                     let name = short(&name);
                     self.warn(&place, format!("collapsed: there is no node {name:?}: dropped"));
                 }
@@ -669,7 +669,7 @@ impl Reader<'_> {
             match view.fault(&name) {
                 Some(why) => {
                     let message = format!("view {:?}: {why}: dropped", short(&name));
-                    self.warn(&Place::View(name), message);
+                    self.warn(&FileEntry::View(name), message);
                 }
                 None => drop(document.views.insert(name, view)),
             }
@@ -681,7 +681,7 @@ impl Reader<'_> {
         &mut self,
         document: &Document,
         written: &Socket,
-        place: fn(Socket) -> Place,
+        place: fn(Socket) -> FileEntry,
     ) -> Socket {
         let def = document.def(&written.node);
         let to = Socket::new(written.node.clone(), &present_name(def, &written.name));
@@ -702,7 +702,7 @@ impl Reader<'_> {
         let conflicts = conflicts.filter_map(|comment| {
             let left = comment.text.strip_prefix(CONFLICT)?;
             let message =
-                format!("a merge left this to decide:{left}; choose, then remove this comment");
+                format!("merge conflict:{left}; choose a value, then remove this comment");
             Some((comment.at, message))
         });
         let conflicts = conflicts.collect();
@@ -711,11 +711,13 @@ impl Reader<'_> {
             // may be typed with the node that they go to.
             let place = match &place {
                 _ if document.has(&place) => place,
-                Place::Field(name) if ["links", "collapsed", "layout"].contains(&name.as_str()) => {
-                    Place::Field("nodes".to_owned())
+                FileEntry::Field(name)
+                    if ["links", "collapsed", "layout"].contains(&name.as_str()) =>
+                {
+                    FileEntry::Field("nodes".to_owned())
                 }
-                Place::NodeField(id, name) if ["links", "into"].contains(&name.as_str()) => {
-                    Place::Node(id.clone())
+                FileEntry::NodeField(id, name) if ["links", "into"].contains(&name.as_str()) => {
+                    FileEntry::Node(id.clone())
                 }
                 _ => place,
             };

@@ -4,7 +4,7 @@
 //! else its answer means nothing, but comes, without a panic and in linear time.
 
 use super::FileError;
-use crate::document::{NodeId, Place, Socket};
+use crate::document::{FileEntry, NodeId, Socket};
 use crate::text::tokens::{Comment, Tokens};
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 #[derive(Debug, Default)]
 pub(super) struct Scan {
     /// Comment lines before entries.
-    pub(super) comments: BTreeMap<Place, Vec<Comment>>,
+    pub(super) comments: BTreeMap<FileEntry, Vec<Comment>>,
     /// Comments that stand before nothing.
     pub(super) dropped: Vec<Comment>,
     /// Where the value of each entry begins, in bytes.
-    pub(super) values: BTreeMap<Place, usize>,
+    pub(super) values: BTreeMap<FileEntry, usize>,
 }
 
 /// What lies inside a bracket.
@@ -41,7 +41,7 @@ enum Inside<'a> {
 pub(super) fn scan(text: &str) -> Scan {
     let mut scanner = Scanner { tokens: Tokens::of(text), found: Scan::default() };
     scanner.tokens.trivia(true);
-    scanner.attach(Place::Top);
+    scanner.attach(FileEntry::Top);
     // The struct's name, if somebody wrote it.
     scanner.tokens.word();
     scanner.tokens.trivia(false);
@@ -108,7 +108,7 @@ struct Scanner<'a> {
 }
 
 impl Scanner<'_> {
-    fn attach(&mut self, place: Place) {
+    fn attach(&mut self, place: FileEntry) {
         let lines = std::mem::take(&mut self.tokens.pending);
         if !lines.is_empty() {
             self.found.comments.entry(place).or_default().extend(lines);
@@ -160,9 +160,9 @@ impl Scanner<'_> {
         }
     }
 
-    fn child(&mut self, place: &Place) {
+    fn child(&mut self, place: &FileEntry) {
         match place {
-            Place::Field(name) => match name.as_str() {
+            FileEntry::Field(name) => match name.as_str() {
                 "nodes" => self.entries(Inside::Nodes(None)),
                 "links" => self.entries(Inside::Links),
                 "frames" => self.entries(Inside::Frames),
@@ -172,12 +172,12 @@ impl Scanner<'_> {
                 "layout" => self.entries(Inside::Layout),
                 _ => self.tokens.value(),
             },
-            Place::Node(id) => {
+            FileEntry::Node(id) => {
                 self.tokens.word();
                 self.tokens.trivia(false);
                 self.entries(Inside::Node(id));
             }
-            Place::NodeField(id, name) => match name.as_str() {
+            FileEntry::NodeField(id, name) => match name.as_str() {
                 "inputs" => self.entries(Inside::Inputs(id)),
                 "links" => self.entries(Inside::Wired(id)),
                 "into" => self.entries(Inside::Into(id)),
@@ -198,27 +198,27 @@ fn key(token: &str) -> String {
     }
 }
 
-fn place(inside: Inside, key: &str) -> Option<Place> {
+fn place(inside: Inside, key: &str) -> Option<FileEntry> {
     Some(match inside {
-        Inside::Document => Place::Field(key.to_owned()),
-        Inside::Nodes(group) => Place::Node(NodeId::within(group, key).ok()?),
+        Inside::Document => FileEntry::Field(key.to_owned()),
+        Inside::Nodes(group) => FileEntry::Node(NodeId::within(group, key).ok()?),
         Inside::Node(id) => match key {
-            "at" => Place::Layout(id.clone()),
-            "collapsed" => Place::Collapsed(id.clone()),
-            _ => Place::NodeField(id.clone(), key.to_owned()),
+            "at" => FileEntry::Layout(id.clone()),
+            "collapsed" => FileEntry::Collapsed(id.clone()),
+            _ => FileEntry::NodeField(id.clone(), key.to_owned()),
         },
-        Inside::Inputs(id) => Place::Input(id.clone(), key.to_owned()),
-        Inside::Wired(id) => Place::Link(Socket::new(id.clone(), key)),
+        Inside::Inputs(id) => FileEntry::Input(id.clone(), key.to_owned()),
+        Inside::Wired(id) => FileEntry::Link(Socket::new(id.clone(), key)),
         Inside::Into(id) => {
-            let wire: super::read::Wire = key.parse().ok()?;
-            Place::Link(super::read::within(id.group().as_ref(), wire.to).ok()?)
+            let wire: super::read::WireEntry = key.parse().ok()?;
+            FileEntry::Link(super::read::within(id.group().as_ref(), wire.to).ok()?)
         }
-        Inside::Links => Place::Link(key.parse::<Socket>().ok()?),
-        Inside::Frames => Place::Frame(key.to_owned()),
-        Inside::Bends => Place::Bends(key.parse::<Socket>().ok()?),
-        Inside::Collapsed => Place::Collapsed(NodeId::new(key).ok()?),
-        Inside::Views => Place::View(key.to_owned()),
-        Inside::Layout => Place::Layout(NodeId::new(key).ok()?),
+        Inside::Links => FileEntry::Link(key.parse::<Socket>().ok()?),
+        Inside::Frames => FileEntry::Frame(key.to_owned()),
+        Inside::Bends => FileEntry::Bends(key.parse::<Socket>().ok()?),
+        Inside::Collapsed => FileEntry::Collapsed(NodeId::new(key).ok()?),
+        Inside::Views => FileEntry::View(key.to_owned()),
+        Inside::Layout => FileEntry::Layout(NodeId::new(key).ok()?),
     })
 }
 

@@ -4,7 +4,7 @@ use super::ports::{origin_fields, write_port};
 use super::{FORMAT, PART};
 use crate::document::budget::Term;
 use crate::document::{
-    Document, Node, NodeId, Place, Point, SavedLook, SavedView, Setting, Socket,
+    Document, FileEntry, Node, NodeId, Point, SavedLook, SavedView, Setting, Socket,
 };
 use crate::text::order::{FRAMES, NODES, after, by_lot, lot};
 use crate::text::values::{new_line, quoted, write_to};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 pub(super) fn write(document: &Document) -> String {
     let mut out = Writer::new(document, NODES);
-    for line in document.comments.get(&Place::Top).into_iter().flatten() {
+    for line in document.comments.get(&FileEntry::Top).into_iter().flatten() {
         out.out.push_str(line);
         out.out.push('\n');
     }
@@ -107,7 +107,7 @@ impl Writer<'_> {
         if document.links.iter().any(|(to, from)| document.is_apart(to, from)) {
             out.field("links", |out| {
                 let links = document.links.iter().filter(|(to, from)| document.is_apart(to, from));
-                let links = links.map(|(to, from)| (Place::Link(to.clone()), (to, from)));
+                let links = links.map(|(to, from)| (FileEntry::Link(to.clone()), (to, from)));
                 out.map(None, links, |out, (to, from)| {
                     out.quoted(&to.to_string());
                     out.text(": ");
@@ -119,7 +119,7 @@ impl Writer<'_> {
             out.field("frames", |out| {
                 let frames = document.frames.iter();
                 let frames =
-                    frames.map(|(name, frame)| (Place::Frame(name.clone()), (name, frame)));
+                    frames.map(|(name, frame)| (FileEntry::Frame(name.clone()), (name, frame)));
                 out.map(out.besides(), frames, |out, (name, frame)| {
                     out.quoted(name);
                     out.text(": (at: ");
@@ -140,7 +140,7 @@ impl Writer<'_> {
         if !document.bends.is_empty() {
             out.field("bends", |out| {
                 let bends = document.bends.iter();
-                let bends = bends.map(|(to, bends)| (Place::Bends(to.clone()), (to, bends)));
+                let bends = bends.map(|(to, bends)| (FileEntry::Bends(to.clone()), (to, bends)));
                 out.map(None, bends, |out, (to, bends)| {
                     out.quoted(&to.to_string());
                     out.text(": ");
@@ -151,7 +151,7 @@ impl Writer<'_> {
         if !document.views.is_empty() {
             out.field("views", |out| {
                 let views = document.views.iter();
-                let views = views.map(|(name, view)| (Place::View(name.clone()), (name, view)));
+                let views = views.map(|(name, view)| (FileEntry::View(name.clone()), (name, view)));
                 out.map(out.besides(), views, |out, (name, view)| {
                     out.quoted(name);
                     let SavedView { eye, target, up, focal_mm, orthographic } = view;
@@ -188,7 +188,7 @@ impl Writer<'_> {
         quoted(&mut self.out, text);
     }
     /// Comment lines, then the line of an entry, ended by a comma.
-    fn entry(&mut self, place: &Place, what: impl FnOnce(&mut Self)) {
+    fn entry(&mut self, place: &FileEntry, what: impl FnOnce(&mut Self)) {
         for line in self.document.comments.get(place).into_iter().flatten() {
             new_line(&mut self.out, self.indent);
             self.out.push_str(line);
@@ -201,7 +201,7 @@ impl Writer<'_> {
         self.out.push(',');
     }
     fn field(&mut self, name: &str, what: impl FnOnce(&mut Self)) {
-        self.entry(&Place::Field(name.to_owned()), |out| {
+        self.entry(&FileEntry::Field(name.to_owned()), |out| {
             out.text(name);
             out.text(": ");
             what(out);
@@ -211,7 +211,7 @@ impl Writer<'_> {
     fn map<T>(
         &mut self,
         paragraphs: Option<usize>,
-        entries: impl Iterator<Item = (Place, T)>,
+        entries: impl Iterator<Item = (FileEntry, T)>,
         one: impl Fn(&mut Self, T),
     ) {
         let (entries, rest) = match paragraphs {
@@ -242,7 +242,7 @@ impl Writer<'_> {
         let nodes = nodes
             .into_iter()
             .filter(|(id, _)| document.written_in(id).as_ref() == group)
-            .map(|(id, node)| (Place::Node(id.clone()), (id, node)));
+            .map(|(id, node)| (FileEntry::Node(id.clone()), (id, node)));
         let paragraphs = if group.is_some() { self.besides() } else { Some(self.paragraphs) };
         self.map(paragraphs, nodes, |out, (id, node)| {
             out.quoted(if group.is_some() { id.word() } else { id.as_str() });
@@ -263,13 +263,13 @@ impl Writer<'_> {
         self.out.push('(');
         self.indent += 4;
         if let Some(at) = self.document.layout.get(id) {
-            self.entry(&Place::Layout(id.clone()), |out| {
+            self.entry(&FileEntry::Layout(id.clone()), |out| {
                 out.text("at: ");
                 out.point(*at);
             });
         }
         if self.document.collapsed.contains(id) {
-            self.entry(&Place::Collapsed(id.clone()), |out| out.text("collapsed: true"));
+            self.entry(&FileEntry::Collapsed(id.clone()), |out| out.text("collapsed: true"));
         }
         self.node_field(id, "kind", |out| out.quoted(&node.kind));
         if let Some(label) = &node.label {
@@ -312,8 +312,8 @@ impl Writer<'_> {
         if !node.inputs.is_empty() {
             self.node_field(id, "inputs", |out| {
                 let inputs = node.inputs.iter();
-                let inputs =
-                    inputs.map(|(name, set)| (Place::Input(id.clone(), name.clone()), (name, set)));
+                let inputs = inputs
+                    .map(|(name, set)| (FileEntry::Input(id.clone(), name.clone()), (name, set)));
                 out.map(None, inputs, |out, (name, setting)| {
                     out.quoted(name);
                     out.text(": ");
@@ -327,7 +327,7 @@ impl Writer<'_> {
         if let Some(wired) = self.wired.remove(id) {
             self.node_field(id, "links", |out| {
                 let wired =
-                    wired.into_iter().map(|(to, from)| (Place::Link(to.clone()), (to, from)));
+                    wired.into_iter().map(|(to, from)| (FileEntry::Link(to.clone()), (to, from)));
                 out.map(None, wired, |out, (to, from)| {
                     out.quoted(&to.name);
                     out.text(": ");
@@ -346,7 +346,7 @@ impl Writer<'_> {
                         let _ = write!(line, " after {}", said(after));
                     }
                     // What stands before the wires of an input stands before the first of them.
-                    let place = Place::Link(to.clone());
+                    let place = FileEntry::Link(to.clone());
                     match is_first {
                         true => out.entry(&place, |out| out.quoted(&line)),
                         false => out.line(|out| out.quoted(&line)),
@@ -377,7 +377,7 @@ impl Writer<'_> {
         self.out.push(']');
     }
     fn node_field(&mut self, id: &NodeId, name: &str, what: impl FnOnce(&mut Self)) {
-        self.entry(&Place::NodeField(id.clone(), name.to_owned()), |out| {
+        self.entry(&FileEntry::NodeField(id.clone(), name.to_owned()), |out| {
             out.text(name);
             out.text(": ");
             what(out);

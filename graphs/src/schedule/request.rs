@@ -106,7 +106,7 @@ fn unknown_kind(id: &NodeId, kind: &str) -> BadRequest {
 
 fn unknown_input(id: &NodeId, def: &coif_nodes::define::NodeDef, name: &str) -> BadRequest {
     let known: Vec<&str> = def.inputs.iter().map(|i| i.name).collect();
-    bad(id, format!("has no input {name:?}; {} has {}", def.told(), known.join(", ")))
+    bad(id, format!("has no input {name:?}; {} has {}", def.with_article(), known.join(", ")))
 }
 
 /// What is known of a node.
@@ -214,7 +214,10 @@ impl Planner<'_> {
         let found = def.output(&socket.name).ok_or_else(|| {
             let known: Vec<&str> = def.outputs.iter().map(|o| o.name).collect();
             let (name, known) = (&*socket.name, known.join(", "));
-            bad(&socket.node, format!("has no output {name:?}; {} gives {known}", def.told()))
+            bad(
+                &socket.node,
+                format!("has no output {name:?}; {} gives {known}", def.with_article()),
+            )
         })?;
         Ok(vec![(Source::Wire { step, output: found.0 }, found.1.ty)])
     }

@@ -29,7 +29,7 @@ pub struct Added {
 
 /// Where a template is added.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Place<'a> {
+pub struct Placement<'a> {
     /// The group that it stands in; none for the graph itself.
     pub within: Option<&'a NodeId>,
     /// Where the instance comes to lie; none: beside the head, under all that is there.
@@ -44,7 +44,7 @@ pub struct Place<'a> {
 ///
 /// # Errors
 /// The file is no template, or its nodes are refused.
-pub fn add(document: &Document, template: &Document, place: Place) -> Result<Added, String> {
+pub fn add(document: &Document, template: &Document, place: Placement) -> Result<Added, String> {
     let group = group_of(template)?;
     let draws = drawn_for(template, group);
     let mut part = as_added(template, group, place.within.is_some());

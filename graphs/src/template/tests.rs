@@ -66,7 +66,7 @@ fn an_instance_gives_the_bits_of_its_nodes_pasted_plainly() {
     let made = template("1.0");
     let head = r#"(format: 2, nodes: {"head": (kind: "head")})"#;
     let mut document = file::read(head).unwrap().document;
-    let Added { edit, id: instance, .. } = add(&document, &made, Place::default()).unwrap();
+    let Added { edit, id: instance, .. } = add(&document, &made, Placement::default()).unwrap();
     edit.apply(&mut document).unwrap();
     set(&mut document, instance.as_str(), "radius", Value::Float(0.4));
     let out = Node { kind: "groom_output".into(), ..Node::default() };
@@ -151,7 +151,8 @@ fn any_value_of_any_node_in_it_changes_its_hash() {
 fn upgraded(change: &dyn Fn(&mut Vec<Port>)) -> (Document, Vec<String>) {
     let head = r#"(format: 2, nodes: {"head": (kind: "head")})"#;
     let mut document = file::read(head).unwrap().document;
-    let Added { edit, id: row, .. } = add(&document, &template("1.0"), Place::default()).unwrap();
+    let Added { edit, id: row, .. } =
+        add(&document, &template("1.0"), Placement::default()).unwrap();
     edit.apply(&mut document).unwrap();
     set(&mut document, "row", "radius", Value::Float(0.4));
     set(&mut document, "row", "count", Value::Int(30));
@@ -175,7 +176,7 @@ fn upgraded(change: &dyn Fn(&mut Vec<Port>)) -> (Document, Vec<String>) {
     assert_eq!(document, before);
     let origin = after.node("row").unwrap().template.clone().unwrap();
     assert_eq!((origin.version.as_str(), &origin.hash), ("1.1", &hash(&after, &row)));
-    (after, done.told.iter().map(Told::to_string).collect())
+    (after, done.overrides.iter().map(OverrideOutcome::to_string).collect())
 }
 
 #[test]
@@ -261,7 +262,7 @@ fn an_added_template_stands_on_the_head_at_hand_gives_to_an_output_and_is_shown(
     let before = document.clone();
     let mut undo = vec![];
     for (instance, out) in [("row", "out"), ("row_2", "out_2")] {
-        let added = add(&document, &made, Place::default()).unwrap();
+        let added = add(&document, &made, Placement::default()).unwrap();
         undo.push(added.edit.apply(&mut document).unwrap());
         assert_eq!((added.id.as_str(), added.draws), (instance, None));
         let wires = |to: String| format!("{:?}", document.links.get(&to.parse().unwrap()));
@@ -277,7 +278,7 @@ fn an_added_template_stands_on_the_head_at_hand_gives_to_an_output_and_is_shown(
     assert_eq!(document, before);
     // Without a head the template's own comes along; at a place that is said it lies there.
     let empty = Document::default();
-    let place = Place { at: Some(Point(500.0, 60.0)), ..Place::default() };
+    let place = Placement { at: Some(Point(500.0, 60.0)), ..Placement::default() };
     let mut document = empty.clone();
     add(&empty, &made, place).unwrap().edit.apply(&mut document).unwrap();
     assert!(document.nodes.contains_key("head"));
@@ -307,7 +308,7 @@ fn what_a_template_has_drawn_for_it_comes_along_empty_to_be_drawn() {
     let head = r#"(format: 2, nodes: {"head": (kind: "head"), "mine": (kind: "stroke_input", links: {"scalp": "head.scalp"}, inputs: {"seed": 1})})"#;
     let mut document = file::read(head).unwrap().document;
     let mine = id("mine");
-    let place = Place { drawn: Some(&mine), ..Place::default() };
+    let place = Placement { drawn: Some(&mine), ..Placement::default() };
     let first = add(&document, &made, place).unwrap();
     first.edit.apply(&mut document).unwrap();
     assert_eq!(first.draws, Some(mine.clone()), "it had nothing to do");

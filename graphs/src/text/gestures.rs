@@ -6,7 +6,7 @@ use super::columns::{Columns, numbers};
 use super::there;
 use crate::values::grid::{point_of, point_steps, sample_of, sample_steps};
 use crate::values::no_such_word;
-use coif_nodes::data::gestures::{Gesture, Layer, Tool, View};
+use coif_nodes::data::gestures::{Gesture, GestureView, Layer, Tool};
 use glam::Vec3;
 use serde::Deserialize;
 use std::fmt::Write as _;
@@ -87,7 +87,7 @@ impl FileGesture {
             id: self.id,
             tool,
             layer,
-            view: View {
+            view: GestureView {
                 eye: self.eye.into(),
                 target: self.target.into(),
                 up: self.up.into(),

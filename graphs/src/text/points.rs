@@ -27,17 +27,17 @@ pub(super) const LIKE: &str = "(x, y, z) in cm of head units, then pressure (0 t
                                and tilt (two numbers), which may be left out";
 
 /// A point as it is read.
-pub(super) struct Point(pub(super) Steps);
+pub(super) struct ParsedPoint(pub(super) Steps);
 
-impl<'de> Deserialize<'de> for Point {
+impl<'de> Deserialize<'de> for ParsedPoint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Numbers;
         impl<'de> Visitor<'de> for Numbers {
-            type Value = Point;
+            type Value = ParsedPoint;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 write!(f, "a point {LIKE}")
             }
-            fn visit_seq<S: SeqAccess<'de>>(self, mut seq: S) -> Result<Point, S::Error> {
+            fn visit_seq<S: SeqAccess<'de>>(self, mut seq: S) -> Result<ParsedPoint, S::Error> {
                 let (mut steps, mut count) = (LEFT_OUT, 0);
                 while let Some(x) = seq.next_element::<f64>()? {
                     if let Some((low, high, per_unit)) = RANGES.get(count).copied() {
@@ -54,7 +54,7 @@ impl<'de> Deserialize<'de> for Point {
                     let why = format!("a point of {count} numbers: expected {LIKE}");
                     return Err(de::Error::custom(why));
                 }
-                Ok(Point(Steps(steps)))
+                Ok(ParsedPoint(Steps(steps)))
             }
         }
         deserializer.deserialize_any(Numbers)
@@ -99,7 +99,7 @@ mod tests {
         out
     }
     fn read(text: &str) -> Result<Vec<Steps>, String> {
-        let points: Vec<Point> = ron::from_str(text).map_err(|err| err.code.to_string())?;
+        let points: Vec<ParsedPoint> = ron::from_str(text).map_err(|err| err.code.to_string())?;
         Ok(points.into_iter().map(|point| point.0).collect())
     }
 

@@ -3,7 +3,7 @@
 //! 1 ms, 1/64 of a right angle), each from the one before; they are still read.
 
 use super::columns::Columns;
-use super::points::{self, Point};
+use super::points::{self, ParsedPoint};
 use super::there;
 use super::values::{new_line, quoted};
 use crate::values::grid::Steps;
@@ -33,7 +33,7 @@ pub(super) struct FileStroke {
     #[serde(default)]
     section: String,
     #[serde(default, deserialize_with = "there")]
-    points: Option<Vec<Point>>,
+    points: Option<Vec<ParsedPoint>>,
     #[serde(default)]
     x: Vec<i64>,
     #[serde(default)]
@@ -57,7 +57,7 @@ pub(super) struct FileStroke {
 #[serde(rename = "drawn", deny_unknown_fields)]
 struct FileDrawn {
     #[serde(default, deserialize_with = "there")]
-    points: Option<Vec<Point>>,
+    points: Option<Vec<ParsedPoint>>,
     #[serde(default)]
     x: Vec<i64>,
     #[serde(default)]
@@ -116,7 +116,7 @@ impl FileStroke {
 
 fn samples(
     kind: &Columns<7>,
-    points: Option<Vec<Point>>,
+    points: Option<Vec<ParsedPoint>>,
     columns: [Vec<i64>; 7],
 ) -> Result<Vec<Sample>, String> {
     match points {

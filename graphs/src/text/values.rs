@@ -7,7 +7,7 @@ use crate::values::{DEEPEST_FIELD, fit, wrong_item};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::Gestures;
 use coif_nodes::data::ramp::{Blend, Ramp};
-use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Type, Value, short};
 use glam::{Vec2, Vec3};
@@ -271,15 +271,15 @@ enum FileSection {
 }
 
 impl FileSection {
-    fn section(self) -> Section {
+    fn section(self) -> TurnProfile {
         match self {
-            FileSection::Circle => Section::Circle,
-            FileSection::Ellipse(ratio) => Section::Ellipse(ratio),
-            FileSection::Lame(exponent) => Section::Lame(exponent),
-            FileSection::Polygon(sides) => Section::Polygon(sides),
-            FileSection::Rose { petals, depth } => Section::Rose { petals, depth },
+            FileSection::Circle => TurnProfile::Circle,
+            FileSection::Ellipse(ratio) => TurnProfile::Ellipse(ratio),
+            FileSection::Lame(exponent) => TurnProfile::Lame(exponent),
+            FileSection::Polygon(sides) => TurnProfile::Polygon(sides),
+            FileSection::Rose { petals, depth } => TurnProfile::Rose { petals, depth },
             FileSection::Custom(points) => {
-                Section::Custom(points.into_iter().map(|(x, y)| Vec2::new(x, y)).collect())
+                TurnProfile::Custom(points.into_iter().map(|(x, y)| Vec2::new(x, y)).collect())
             }
         }
     }
@@ -447,14 +447,16 @@ fn write_ramp(out: &mut String, ramp: &Ramp) {
     out.push(')');
 }
 
-fn write_section(out: &mut String, section: &Section) {
+fn write_section(out: &mut String, section: &TurnProfile) {
     let _ = match section {
-        Section::Circle => write!(out, "Circle"),
-        Section::Ellipse(ratio) => write!(out, "Ellipse({ratio:?})"),
-        Section::Lame(exponent) => write!(out, "Lame({exponent:?})"),
-        Section::Polygon(sides) => write!(out, "Polygon({sides})"),
-        Section::Rose { petals, depth } => write!(out, "Rose(petals: {petals}, depth: {depth:?})"),
-        Section::Custom(points) => {
+        TurnProfile::Circle => write!(out, "Circle"),
+        TurnProfile::Ellipse(ratio) => write!(out, "Ellipse({ratio:?})"),
+        TurnProfile::Lame(exponent) => write!(out, "Lame({exponent:?})"),
+        TurnProfile::Polygon(sides) => write!(out, "Polygon({sides})"),
+        TurnProfile::Rose { petals, depth } => {
+            write!(out, "Rose(petals: {petals}, depth: {depth:?})")
+        }
+        TurnProfile::Custom(points) => {
             out.push_str("Custom(");
             write_list(out, points, None, |out, p| {
                 let _ = write!(out, "({:?}, {:?})", p.x, p.y);

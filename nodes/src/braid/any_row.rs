@@ -8,14 +8,14 @@
 
 use super::any_source::{MANY, each_of};
 use super::laws::{Set, counted, set};
-use super::reading::{Strand, braid_signs, on_ball, path_signs};
+use super::reading::{CvStrand, braid_signs, on_ball, path_signs};
 use super::weave::{Weave, default_frequency};
 use super::{braid_hair, braid_territory, lissajous_braid};
 use crate::data::attributes as attr;
 use crate::data::curves::Curves;
 use crate::data::scalp::tests::shared_ball;
 use crate::eval::PlainHost;
-use crate::laws::{Hair, depth, roots};
+use crate::laws::{MeasuredHair, depth, roots};
 use crate::maths::frame::{Frame, any_normal};
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
@@ -119,7 +119,7 @@ fn one(dice: Dice, id: u64) -> usize {
             assert!((normal.length() - 1.0).abs() < 1e-4, "{what}: a normal {normal}");
         }
     }
-    let deep = depth::measure(&Hair::of(&strands, &PlainHost), &scalp);
+    let deep = depth::measure(&MeasuredHair::of(&strands, &PlainHost), &scalp);
     assert_eq!(deep.too_deep, 0, "{what}: strands {} in the head", deep.deepest_cm);
     if follows {
         let want = path_signs(&Weave::new(n as u32, default_frequency(n as u32), under, false));
@@ -132,7 +132,7 @@ fn one(dice: Dice, id: u64) -> usize {
                 let turned = |f: Frame| Frame { normal: f.normal * cos + f.binormal() * sin, ..f };
                 frames(us).into_iter().map(turned).collect::<Vec<_>>()
             };
-            let strands = Strand::all(&strands);
+            let strands = CvStrand::all(&strands);
             braid_signs(&strands, &spline, &frames, (0.0, 0.9), stitches.into(), &what)
         };
         let as_asked = |got: &Vec<Option<bool>>| {
@@ -157,7 +157,7 @@ fn one(dice: Dice, id: u64) -> usize {
     let hair: &Curves = curves_of(&out[0]);
     assert_eq!(hair.curve_count(), roots.curve_count(), "{what}: {said:?}");
     assert!(roots::off_their_places(hair, &scalp) < 1e-3, "{what}: a hair off its root");
-    let deepest = depth::measure(&Hair::of(hair, &PlainHost), &scalp).deepest_cm;
+    let deepest = depth::measure(&MeasuredHair::of(hair, &PlainHost), &scalp).deepest_cm;
     assert!(deepest < 1e-3, "{what}: a hair {deepest} in the head");
     for (tuft, i) in hair.each() {
         let curve = tuft.curve(i);

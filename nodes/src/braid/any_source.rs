@@ -5,7 +5,7 @@
 //! word on those whose stitch length can be braided. All sources that break a law are reported.
 
 use super::laws::{Set, bare, braid, counted, helix, set, straight};
-use super::reading::{Strand, braid_signs, carried, overlap, path_signs};
+use super::reading::{CvStrand, braid_signs, carried, overlap, path_signs};
 use super::weave::{Weave, default_frequency};
 use crate::data::attributes as attr;
 use crate::maths::hash::Dice;
@@ -139,7 +139,7 @@ fn one(dice: Dice, id: u64) -> (Kind, f32) {
     }
     let mut most = 0.0;
     if seen {
-        let strands = Strand::all(&strands);
+        let strands = CvStrand::all(&strands);
         let m = default_frequency(n as u32);
         let want = path_signs(&Weave::new(n as u32, m, id.is_multiple_of(2), false));
         let got =

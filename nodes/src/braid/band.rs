@@ -32,7 +32,7 @@ const BEHIND: f32 = 1.0;
 
 impl Band {
     /// `None` for no turns; a band has at least one.
-    pub(super) fn asked(turns: f32, height: f32, narrower: f32) -> Option<Self> {
+    pub(super) fn new(turns: f32, height: f32, narrower: f32) -> Option<Self> {
         (turns > 0.0).then_some(Self { turns: turns.max(1.0), height, narrower })
     }
 

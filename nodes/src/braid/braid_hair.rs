@@ -4,21 +4,21 @@
 //! it joins. From there this node continues it: into the outermost strand at that stitch, through the braid inside the
 //! strand's tube, to the tie and the end tuft. The tables of a braid are in `tube.rs`.
 //!
-//! The path of a hair is in `hair_path.rs`, its random deviation in `wander.rs`.
+//! The path of a hair is in `hair_path.rs`, its random deviation in `deviation.rs`.
 //!
 //! Guarantees: every hair is independent, so that more hairs change none; each stores its braid, strand and stitch,
 //! where it joins, and the direction of the braid's front there. Not promised: hairs clear of each other.
 
 use super::band::Band;
 use super::braid_territory::ORDER;
-use super::hair_path::{Entry, Leader, Manner, Wish};
-use super::tube::{Asked, Braid, Stitch};
+use super::hair_path::{BraidHairParams, Entry, HairTracer, Manner};
+use super::tube::{Braid, Stitch, TubeParams};
 use crate::data::attributes::{
     ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE,
     STITCH, STRAND, TIED, WIDTH,
 };
 use crate::data::curves::MOST_A_CURVE;
-use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece, Size};
@@ -96,7 +96,7 @@ node! {
         scale_with_head: bool = true, words("head units");
 
         [Randomness]
-        /// How much hairs wander within their strand: 0 is combed smooth, 1 crosses the whole strand.
+        /// Random deviation of hairs within their strand: 0 is combed smooth, 1 crosses the whole strand.
         frizz: f32 = 0.06, hard(0.0, 1.0), unit(Ratio), words("noise messy definition texture");
         /// Fraction of hairs that leave the braid and stand off.
         flyaways: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("stray frizz fuzz halo");
@@ -171,7 +171,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         RootStart::Knotless => None,
     };
     let (turns, height) = (inputs.band_turns, inputs.band_height);
-    let band = Band::asked(turns, height, inputs.band_tightness);
+    let band = Band::new(turns, height, inputs.band_tightness);
     let strands_of = |row: u64| -> Option<usize> {
         let tufts = by_row.get(&row)?;
         tufts.iter().map(|n| *n as usize).find(|n| *n < of_strands)
@@ -184,7 +184,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let stitches = tufts.iter().filter(|n| **n as usize >= of_strands);
             let stitches =
                 stitches.flat_map(|n| stitches_of(&all.tufts()[*n as usize], row)).collect();
-            let asked = Asked {
+            let asked = TubeParams {
                 per_stitch: inputs.points_per_stitch,
                 fill: &fill[n],
                 broad: inputs.broad,
@@ -201,7 +201,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let mut needed: Vec<u32> = vec![];
         for i in 0..tuft.len() {
             needed.extend(by_row.get(&row_of(tuft, i)).into_iter().flatten());
-            if matches!(tuft.view(PARENT), View::Shared(_)) {
+            if matches!(tuft.view(PARENT), AttributeView::Shared(_)) {
                 break;
             }
         }
@@ -212,8 +212,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let placed = cx.by_place(scalp);
     let [curves, extension] =
         placed.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
-            let filler =
-                Filler { inputs: &inputs, leader: Leader::new(&manner, scalp, for_hair.as_ref()) };
+            let filler = Filler {
+                inputs: &inputs,
+                tracer: HairTracer::new(&manner, scalp, for_hair.as_ref()),
+            };
             filler.fill(tuft, &of_row, piece)
         })?;
     let of_band = |n: usize| {
@@ -308,7 +310,7 @@ fn stitches_of(tuft: &Tuft, row: u64) -> Vec<Stitch> {
 
 struct Filler<'a> {
     inputs: &'a Inputs,
-    leader: Leader<'a>,
+    tracer: HairTracer<'a>,
 }
 
 /// Hairs under construction.
@@ -336,11 +338,11 @@ impl Filler<'_> {
         let fed = tuft.view(FED);
         let along = tuft.view(ALONG);
         // Hair without a count, such as that of boxes, fills its strand evenly.
-        let order: Option<View<f32>> = tuft.view_named(ORDER);
+        let order: Option<AttributeView<f32>> = tuft.view_named(ORDER);
         let fibre = tuft.view(FIBRE);
         let side = tuft.view(SIDE);
         let mut made = [Made::default(), Made::default()];
-        let dice = self.leader.manner.dice;
+        let dice = self.tracer.manner.dice;
         let mut points = vec![];
         for i in 0..tuft.len() {
             piece.tick()?;
@@ -357,7 +359,7 @@ impl Filler<'_> {
             let id = curve_id(tuft.id(i), self.inputs.seed as u64, 0);
             let is_fed = fed.at(i, first) != 0;
             let entry = self.entry(braid, id, way, along.at(i, first), side.at(i, first), is_fed);
-            let wish = Wish {
+            let wish = BraidHairParams {
                 id,
                 fed: is_fed,
                 order: order
@@ -365,7 +367,7 @@ impl Filler<'_> {
                     .clamp(1e-4, 1.0),
                 length: fibre.at(i, first),
             };
-            let front = match self.leader.lead(braid, way, &entry, &wish) {
+            let front = match self.tracer.trace(braid, way, &entry, &wish) {
                 Ok(front) => front,
                 Err(why) => {
                     piece.trouble(tuft.id(i), why);
@@ -374,9 +376,9 @@ impl Filler<'_> {
             };
             let made = &mut made[usize::from(is_fed)];
             points.clear();
-            points.extend(self.leader.beads.iter().map(|bead| bead.p));
+            points.extend(self.tracer.beads.iter().map(|bead| bead.p));
             made.hair.push_curve(&points);
-            made.along.extend(self.leader.beads.iter().map(|bead| bead.along));
+            made.along.extend(self.tracer.beads.iter().map(|bead| bead.along));
             made.fronts.push(front);
             made.pick.push(i as u32);
             made.ids.push(id);
@@ -399,7 +401,7 @@ impl Filler<'_> {
         side: i32,
         fed: bool,
     ) -> Entry {
-        let dice = self.leader.manner.dice;
+        let dice = self.tracer.manner.dice;
         let (sin, cos) = sin_cos_turns(dice.unit(id, 0));
         let q = Vec2::new(cos, sin);
         let stitch =

@@ -8,7 +8,7 @@
 //! higher density only adds hairs; the distribution of hair along a row does not depend on the density. Not promised:
 //! paths that clear the skin by more than the error of the distance field (`braid_hair` handles that).
 
-use super::ground::{Behind, Ground, Lane, Map, Owner, far_off};
+use super::ground::{Behind, Lane, Owner, RowIndex, UnrolledSide, far_off};
 use super::tail::lengthened;
 use crate::data::attributes::{
     ALONG, Attribute, Domain, FED, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
@@ -174,7 +174,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             None => cx.trouble(id, "a row that is nowhere near the scalp was left out"),
         }
     }
-    let ground = Ground::new(lanes, scalp);
+    let ground = RowIndex::new(lanes, scalp);
     let maker = Maker {
         inputs: &inputs,
         scalp,
@@ -214,7 +214,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let source = Curves::new(source.collect());
 
     // Hair of one row is split into parts, so that one large row keeps all threads busy.
-    let maps: Vec<[OnceLock<Map>; 2]> = rows.iter().map(|_| Default::default()).collect();
+    let maps: Vec<[OnceLock<UnrolledSide>; 2]> = rows.iter().map(|_| Default::default()).collect();
     let mut parts = vec![];
     for i in 0..rows.len() {
         let count = places[i].partition_point(|place| (place.index as usize) < last);
@@ -263,7 +263,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let map = |side: i32| {
             maps[i][usize::from(side > 0)].get_or_init(|| {
                 let own = |p: Vec3| maker.whose(p).is_some_and(|o| o.lane == i as u32);
-                Map::new(&ground.lanes[i], scalp, side, 1.7 * reach + 0.4 * unit, own)
+                UnrolledSide::new(&ground.lanes[i], scalp, side, 1.7 * reach + 0.4 * unit, own)
             })
         };
         let row = (rows[i].0, rows[i].1);
@@ -291,7 +291,7 @@ struct Maker<'a> {
     inputs: &'a Inputs,
     scalp: &'a Scalp,
     skin: Skin<'a>,
-    ground: &'a Ground,
+    ground: &'a RowIndex,
     parting: f32,
     unit: f32,
     dice: Dice,
@@ -371,7 +371,7 @@ impl Maker<'_> {
     }
     /// Distance from the front of its row to the start of a braid, cm.
     fn start(&self, lane: &Lane) -> f32 {
-        self.inputs.start.min(0.5 * lane.leads.min(lane.row.length()))
+        self.inputs.start.min(0.5 * lane.scalp_length.min(lane.row.length()))
     }
     /// The braided part of a row's source.
     fn behind_start<'s>(&self, lane: &Lane, source: &'s Spline) -> Behind<'s> {
@@ -483,9 +483,9 @@ impl Maker<'_> {
         let is_own = |p: &Vec3| {
             self.ground.owner(self.scalp, *p, |_| true).is_none_or(|owner| owner.lane == lane)
         };
-        if self.detour.lead(way, Towards::Top) && !way.iter().all(is_own) {
+        if self.detour.reroute(way, Towards::Top) && !way.iter().all(is_own) {
             way.copy_from_slice(&before);
-            self.detour.lead(way, Towards::Crown);
+            self.detour.reroute(way, Towards::Crown);
         }
     }
     fn id(&self, lane: &Lane, place: &Place) -> u64 {
@@ -498,7 +498,7 @@ impl Maker<'_> {
         row: (&Tuft, usize),
         counted: &Row,
         places: &[Place],
-        map: &dyn Fn(i32) -> &'m Map,
+        map: &dyn Fn(i32) -> &'m UnrolledSide,
         piece: &mut Piece,
     ) -> Result<Tuft, NodeError> {
         let lane = &self.ground.lanes[i];

@@ -1,6 +1,6 @@
 //! Even spacing of points along a hair, and the two curves that guide hairs.
 //!
-//! Guarantees: after [`Even::out`], adjacent chords differ by at most a tenth, and both readings of the hair agree, if
+//! Guarantees: after [`EvenSampler::out`], adjacent chords differ by at most a tenth, and both readings of the hair agree, if
 //! it bends by less than a right angle within a few points; the ends stay in place. Not promised: that other points
 //! stay in place.
 
@@ -25,9 +25,9 @@ impl Bead {
     }
 }
 
-/// Buffers of [`Even::out`].
+/// Buffers of [`EvenSampler::out`].
 #[derive(Default)]
-pub(super) struct Even {
+pub(super) struct EvenSampler {
     beads: Vec<Bead>,
     points: Vec<Vec3>,
     /// Distance from each bead to the next, cm.
@@ -41,7 +41,7 @@ const EVEN: f32 = 1.1;
 /// Rounds of adjustment.
 const ROUNDS: usize = 6;
 
-impl Even {
+impl EvenSampler {
     /// Moves the beads of a hair along it until they are evenly spaced; they must nearly be already.
     pub(super) fn out(&mut self, beads: &mut Vec<Bead>) {
         let n = beads.len();
@@ -147,7 +147,7 @@ mod tests {
             Bead::new(Vec3::new(x, y, 0.0), y, k == 3)
         };
         let mut beads: Vec<Bead> = (0..30).map(at).collect();
-        Even::default().out(&mut beads);
+        EvenSampler::default().out(&mut beads);
         let chords: Vec<f32> = beads.windows(2).map(|w| w[0].p.distance(w[1].p)).collect();
         let (least, most) =
             chords.iter().fold((f32::MAX, 0.0f32), |(a, b), c| (a.min(*c), b.max(*c)));

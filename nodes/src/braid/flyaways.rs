@@ -18,7 +18,7 @@ use glam::Vec3;
 const CVS: usize = 8;
 
 /// A braid strand as input for flyaways.
-pub(crate) struct Strand<'a> {
+pub(crate) struct FlyawayStrand<'a> {
     pub(crate) spline: &'a Spline,
     pub(crate) radii: &'a [f32],
     /// Centre of the braid at each CV.
@@ -28,7 +28,7 @@ pub(crate) struct Strand<'a> {
 
 /// `count` hairs of up to `longest` cm on the strands of one braid, kept out of the skin. A higher count only adds.
 pub(crate) fn flyaways(
-    strands: &[Strand],
+    strands: &[FlyawayStrand],
     (braid, tag): (u64, u64),
     count: usize,
     longest: f32,

@@ -11,7 +11,7 @@
 
 use crate::data::scalp::{Root, Scalp};
 use crate::maths::frame::{across, any_normal};
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, exp, sin_cos};
@@ -31,7 +31,7 @@ pub(crate) struct Lane {
     /// The section that it is the centre of; `None`: whatever is nearest to it.
     pub(crate) section: Option<u64>,
     /// Length over the scalp from its root, cm: 0 for a row that stands up from the head.
-    pub(crate) leads: f32,
+    pub(crate) scalp_length: f32,
     /// Tangent and scalp normal at even positions of the row.
     ways: Vec<(Vec3, Vec3)>,
     /// The same positions.
@@ -75,21 +75,21 @@ impl Lane {
             points.truncate(last.map_or(points.len(), |last| (last + 1).max(3)));
         }
         let row = Row::new(id, &points).ok()?;
-        let (mut root, mut leads) = (None, 0.0f32);
+        let (mut root, mut scalp_length) = (None, 0.0f32);
         let mut way = |k: usize| {
             let place = row.spline.locate(k as f32 / (WAYS - 1) as f32);
             let (p, along) = (row.spline.point(place), row.spline.tangent(place));
             let foot = scalp.closest_root(p);
             let normal = foot.map_or(Vec3::Y, |foot| foot.normal);
             let foot = foot.map_or(p, |foot| foot.point);
-            leads = leads.max(foot.distance(*root.get_or_insert(foot)));
+            scalp_length = scalp_length.max(foot.distance(*root.get_or_insert(foot)));
             // A row that leaves the scalp straight up has no direction on it; any will do.
             let along = across(along, normal).unwrap_or_else(|| any_normal(normal));
             (along, normal)
         };
         let ways = (0..WAYS).map(&mut way).collect();
         let points = (0..WAYS).map(|k| row.spline.at(k as f32 / (WAYS - 1) as f32)).collect();
-        Some(Self { id, row, length, section, leads, ways, points })
+        Some(Self { id, row, length, section, scalp_length, ways, points })
     }
     /// Even positions of the row.
     pub(crate) fn points(&self) -> &[Vec3] {
@@ -157,7 +157,7 @@ pub(crate) struct Owner {
 }
 
 /// All rows, indexed for lookup.
-pub(crate) struct Ground {
+pub(crate) struct RowIndex {
     pub(crate) lanes: Vec<Lane>,
     cell: f32,
     cells: BTreeMap<[i32; 3], Vec<u32>>,
@@ -166,7 +166,7 @@ pub(crate) struct Ground {
 /// Size of the cells that list the rows that may be near, head units.
 const CELL: f32 = 1.5;
 
-impl Ground {
+impl RowIndex {
     pub(crate) fn new(lanes: Vec<Lane>, scalp: &Scalp) -> Self {
         let cell = CELL * scalp.frame().unit();
         let lanes = over_the_scalp(lanes, scalp);
@@ -238,7 +238,7 @@ fn cell_of(p: Vec3, cell: f32) -> [i32; 3] {
 }
 
 /// One side of a row, unrolled.
-pub(crate) struct Map {
+pub(crate) struct UnrolledSide {
     points: Vec<Vec3>,
     columns: usize,
     /// Steps of a column.
@@ -246,7 +246,7 @@ pub(crate) struct Map {
     step: f32,
     /// Spacing of the starts of columns along the row, cm.
     pitch: f32,
-    tree: Nearest,
+    tree: KdTree,
     /// Distance from the row at which each column leaves the row's own territory.
     pub(crate) limit: Vec<f32>,
 }
@@ -258,7 +258,7 @@ const MOST_STATIONS: usize = 64;
 /// The most steps of a column.
 const MOST_STEPS: f32 = 28.0;
 
-impl Map {
+impl UnrolledSide {
     /// The map of one side up to `reach` cm from the row; `inside` says whether a point belongs to the row's territory.
     pub(crate) fn new(
         lane: &Lane,
@@ -304,7 +304,7 @@ impl Map {
             }
             limit.push(last + 0.5 * step);
         }
-        let tree = Nearest::new(found);
+        let tree = KdTree::new(found);
         let pitch = (lane.row.length() / (stations - 1) as f32).max(1e-6);
         Self { points, columns, steps, step, pitch, tree, limit }
     }
@@ -319,7 +319,7 @@ impl Map {
         let (sin, cos) = sin_cos(beyond / FAN as f32 * FRAC_PI_2);
         Vec2::new((column.clamp(first, last) - first) * self.pitch + v * sin, v * cos)
     }
-    /// Column and distance of a position in [`Map::plain`].
+    /// Column and distance of a position in [`UnrolledSide::plain`].
     fn unrolled(&self, p: Vec2) -> (f32, f32) {
         let (first, last) = (FAN as f32, (self.columns - 1 - FAN) as f32);
         let along = p.x / self.pitch + first;

@@ -2,7 +2,7 @@
 //!
 //! Which hair crosses a parting is read from the lanes between rows: rows alone draw no lines that `laws` could read.
 
-use super::ground::{Ground, Lane};
+use super::ground::{Lane, RowIndex};
 use super::laws::heads;
 use super::{braid_hair, braid_territory, lissajous_braid};
 use crate::data::attributes as attr;
@@ -12,7 +12,7 @@ use crate::data::field::Field;
 use crate::data::scalp::{Scalp, tests::shared_ball};
 use crate::define::Value;
 use crate::eval::PlainHost;
-use crate::laws::{Hair, depth, roots};
+use crate::laws::{MeasuredHair, depth, roots};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos_turns;
 use crate::testing::{curves_of, run};
@@ -80,11 +80,11 @@ fn made(scalp: &Arc<Scalp>, rows: &Curves, territory: Set, hair: Set) -> Made {
     Made { roots, source, strands, stitches, hair, extension, bands }
 }
 
-fn ground(scalp: &Scalp, rows: &Curves) -> Ground {
+fn ground(scalp: &Scalp, rows: &Curves) -> RowIndex {
     let lane = |(tuft, i): (&Tuft, usize)| {
         Lane::new(tuft.id(i), &Spline::new(tuft.curve(i)).unwrap(), scalp, 0.9, None)
     };
-    Ground::new(rows.each().filter_map(lane).collect(), scalp)
+    RowIndex::new(rows.each().filter_map(lane).collect(), scalp)
 }
 
 /// Points by id.
@@ -120,7 +120,7 @@ fn every_root_joins_once_at_its_stitch_and_stays_in_its_strand() {
             let parent = tuft.view(attr::PARENT).at(i, first);
             tubes.insert(tuft.id(i), ((0..=1500).map(at).collect(), parent));
         }
-        let deepest = depth::measure(&Hair::of(&m.hair, &PlainHost), &scalp).deepest_cm;
+        let deepest = depth::measure(&MeasuredHair::of(&m.hair, &PlainHost), &scalp).deepest_cm;
         let rooted = roots::off_their_places(&m.hair, &scalp);
         let (mut crossed, mut uneven, mut out, mut points) = (0, 0, 0.0f32, 0);
         for (n, (tuft, i)) in m.hair.each().enumerate() {

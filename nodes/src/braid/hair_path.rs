@@ -12,9 +12,9 @@
 //! parting before the step that leads into its strand; a hair without such a path is dropped and reported. Not
 //! promised: hairs clear of each other.
 
-use super::even::{Bead, Even, chords, relax, spline_point};
+use super::deviation::{CrossSectionWalk, Flyaway};
+use super::even::{Bead, EvenSampler, chords, relax, spline_point};
 use super::tube::{Braid, Tube, place};
-use super::wander::{Parted, Wander};
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::route::makers::{clear, lift};
 use crate::data::route::section_guard::Home;
@@ -52,7 +52,7 @@ pub(super) struct Manner {
 }
 
 /// Settings of one hair.
-pub(super) struct Wish {
+pub(super) struct BraidHairParams {
     pub(super) id: u64,
     pub(super) fed: bool,
     /// Fraction of the braid's hair that joined before it.
@@ -74,33 +74,33 @@ pub(super) struct Entry {
 }
 
 /// Traces hairs, one after another.
-pub(super) struct Leader<'a> {
+pub(super) struct HairTracer<'a> {
     pub(super) manner: &'a Manner,
     pub(super) skin: Option<&'a Skin<'a>>,
     pub(super) scalp: Option<&'a Scalp>,
     /// The last traced hair.
     pub(super) beads: Vec<Bead>,
-    even: Even,
+    even: EvenSampler,
     /// Its points before the skin moved them.
     raw: Vec<Bead>,
 }
 
-impl<'a> Leader<'a> {
+impl<'a> HairTracer<'a> {
     pub(super) fn new(
         manner: &'a Manner,
         scalp: Option<&'a Scalp>,
         skin: Option<&'a Skin<'a>>,
     ) -> Self {
-        Self { manner, skin, scalp, beads: vec![], raw: vec![], even: Even::default() }
+        Self { manner, skin, scalp, beads: vec![], raw: vec![], even: EvenSampler::default() }
     }
 
     /// Traces a hair; returns the front of the braid where it joins, or why there is no path.
-    pub(super) fn lead(
+    pub(super) fn trace(
         &mut self,
         braid: &Braid,
         way: &[Vec3],
         entry: &Entry,
-        wish: &Wish,
+        wish: &BraidHairParams,
     ) -> Result<Vec3, &'static str> {
         self.beads.clear();
         let tube = &braid.tubes[entry.tube];
@@ -120,7 +120,7 @@ impl<'a> Leader<'a> {
         self.rest(section.along);
         if !wish.fed {
             if self.crosses(section.along, spacing) {
-                self.stay_home(way, section.along);
+                self.keep_in_section(way, section.along);
             }
             if self.crosses(section.along, spacing) {
                 return Err(
@@ -137,7 +137,7 @@ impl<'a> Leader<'a> {
     }
 
     /// The section that the path of a hair stays in, on a parted scalp.
-    fn home_of(&self, way: &[Vec3]) -> Option<Home<'a>> {
+    fn own_section(&self, way: &[Vec3]) -> Option<Home<'a>> {
         let home = self.scalp.and_then(|scalp| scalp.home(way[0]));
         home.filter(|home| home.holds(way[way.len() - 1]))
     }
@@ -174,8 +174,8 @@ impl<'a> Leader<'a> {
     }
 
     /// Moves back what even spacing and the skin have led over a parting.
-    fn stay_home(&mut self, way: &[Vec3], joined: f32) {
-        let Some(home) = self.home_of(way) else { return };
+    fn keep_in_section(&mut self, way: &[Vec3], joined: f32) {
+        let Some(home) = self.own_section(way) else { return };
         let on_way = self.on_way(joined);
         let points = self.beads[..on_way].iter_mut().map(|bead| &mut bead.p);
         home.lead(points.enumerate().skip(1), 0, |_, _, kept| {
@@ -243,7 +243,7 @@ impl<'a> Leader<'a> {
         tube: &Tube,
         way: &[Vec3],
         entry: &Entry,
-        wish: &Wish,
+        wish: &BraidHairParams,
     ) -> (f32, Vec2) {
         /// Positions tried per stitch, and number of stitches.
         const TRIED: (f32, f32) = (8.0, 3.0);
@@ -260,7 +260,7 @@ impl<'a> Leader<'a> {
         let last = (tube.tie - braid.per_stitch).max(entry.t);
         let (mut best, mut found) = (f32::MIN, (entry.t, entry.q));
         let mut first = None;
-        let home = self.home_of(way);
+        let home = self.own_section(way);
         for k in 0..=slides as usize {
             let t = (entry.t + k as f32 * braid.per_stitch / TRIED.0).min(last);
             let section = tube.section(t);
@@ -298,7 +298,7 @@ impl<'a> Leader<'a> {
         braid: &Braid,
         tube: &Tube,
         (from, come, q): (f32, Vec2, Vec2),
-        wish: &Wish,
+        wish: &BraidHairParams,
         reached: (f32, f32),
     ) {
         /// The last step may be this much longer than planned.
@@ -333,8 +333,8 @@ impl<'a> Leader<'a> {
         let mut last = reached.1.clamp(0.4 * spacing, 2.0 * spacing);
         let (mut t, mut gone) = (from, if wish.fed { 0.0 } else { reached.0 - reached.1 });
         let settle = manner.settling * braid.per_stitch;
-        let mut wander = Wander::new(manner, wish.id, braid.step);
-        let mut parted: Option<Parted> = None;
+        let mut walk = CrossSectionWalk::new(manner, wish.id, braid.step);
+        let mut parted: Option<Flyaway> = None;
         let mut bristle: Option<Vec2> = None;
         while beads.len() < MOST_A_CURVE {
             let section = tube.section(t);
@@ -345,7 +345,7 @@ impl<'a> Leader<'a> {
                 size += (0.97 - size).max(0.0) * smoothstep(1.0 + (t - start) / settle);
                 if t >= start && t > from {
                     let parted =
-                        *parted.get_or_insert_with(|| Parted::new(tube, start, here * size, end));
+                        *parted.get_or_insert_with(|| Flyaway::new(tube, start, here * size, end));
                     let p = parted.at((t - start) * braid.step, manner, wish.id);
                     beads.push(Bead::new(p, section.along, true));
                     if t >= until {
@@ -356,7 +356,7 @@ impl<'a> Leader<'a> {
                     continue;
                 }
             }
-            here = (here * size + wander.at(t)).clamp_length_max(1.0);
+            here = (here * size + walk.at(t)).clamp_length_max(1.0);
             let mut p = place(&section, here);
             let mut near = tube.near(t);
             if brush > 0.0 && t > tube.tie {
@@ -369,7 +369,7 @@ impl<'a> Leader<'a> {
                 let far = beyond / brush;
                 let b = braid.bristle(beyond);
                 let narrow = b.size * (1.0 - manner.tip_taper * far * far);
-                let loose = wander.loose() * (manner.tip_frizz * far * beyond * braid.step * 0.25);
+                let loose = walk.loose() * (manner.tip_frizz * far * beyond * braid.step * 0.25);
                 let o = offset * narrow + loose;
                 let free = b.centre + b.x * o.x + b.y * o.y;
                 p = p.lerp(free, smoothstep(beyond / braid.per_stitch));
@@ -429,7 +429,7 @@ impl<'a> Leader<'a> {
             let s = at(k);
             combed(s) + turn * (s * s * (s - 1.0))
         });
-        if let Some(home) = self.home_of(way) {
+        if let Some(home) = self.own_section(way) {
             home.lead(fine[..SAMPLES].iter_mut().enumerate().skip(1), 0, |_, _, kept| kept);
         }
         let mut lengths = [0.0f32; SAMPLES + 1];
@@ -474,7 +474,7 @@ impl Manner {
 
 /// Distance from the centre of the strand where this much has `joined`, as a fraction of the radius.
 #[inline]
-fn share(wish: &Wish, joined: f32) -> f32 {
+fn share(wish: &BraidHairParams, joined: f32) -> f32 {
     (wish.order / joined.max(1e-4)).sqrt().min(1.0)
 }
 

@@ -2,7 +2,7 @@
 //! CVs.
 
 use super::lissajous_braid::NODE;
-use super::reading::{Strand, braid_signs, carried, on_ball, overlap, path_signs};
+use super::reading::{CvStrand, braid_signs, carried, on_ball, overlap, path_signs};
 use super::weave::{Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Curves, TuftBuilder};
@@ -12,7 +12,7 @@ use crate::data::scalp::{HeadFrame, REGION, Scalp, tests::ball};
 use crate::define::{FileData, Value};
 use crate::eval::{Log, PlainHost, Quality};
 use crate::laws::braid_words::Crossing;
-use crate::laws::{Hair, braids, depth};
+use crate::laws::{MeasuredHair, braids, depth};
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos_turns;
@@ -88,7 +88,7 @@ pub(super) fn set<V: Into<Value>>(name: &'static str, value: V) -> Set {
 
 /// The largest ratio of neighbouring distances between CVs.
 pub(super) fn unevenness(curves: &Curves) -> f32 {
-    crate::laws::strands::measure(&Hair::of(curves, &PlainHost)).spacing_ratio
+    crate::laws::strands::measure(&MeasuredHair::of(curves, &PlainHost)).spacing_ratio
 }
 
 pub(super) fn counted(stitches: f32) -> Set {
@@ -138,7 +138,7 @@ fn lengths_scale_with_the_head_when_asked() {
         let set = vec![("scalp", scalp.into()), ("scale_with_head", scaled.into())];
         let (strands, _, said) = braid(&[Vec3::X * 40.0, Vec3::new(40.0, -20.0, 0.0)], &[set]);
         assert_eq!(said.iter().any(|s| s.contains("multiplied by 2.000")), scaled);
-        Strand::all(&strands).iter().flat_map(|s| s.radius.clone()).fold(0.0, f32::max)
+        CvStrand::all(&strands).iter().flat_map(|s| s.radius.clone()).fold(0.0, f32::max)
     };
     let ratio = width(true) / width(false);
     assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
@@ -170,7 +170,7 @@ fn every_weave_is_braided_as_it_should_on_any_source() {
                     let (strands, ..) = braid(&source, &[bare(), set(stitches)]);
                     let what = format!("({n}, {m}) {crossing} {hand}");
                     let got = braid_signs(
-                        &Strand::all(&strands),
+                        &CvStrand::all(&strands),
                         &Spline::new(&source).unwrap(),
                         &carried(&source),
                         (0.0, 1.0),
@@ -196,7 +196,7 @@ fn laws_read_the_words_that_are_woven() {
         for (crossing, source) in [("under", straight(10.0)), ("over", helix(2.0, 4.0, 1.0))] {
             let set = [counted(9.0), set("strands", i64::from(n)), set("crossing", crossing)];
             let (strands, ..) = braid(&source, &[bare(), set.concat()]);
-            let found = braids::measure(&Hair::of(&strands, &PlainHost), None).unwrap();
+            let found = braids::measure(&MeasuredHair::of(&strands, &PlainHost), None).unwrap();
             let what = format!("{n} {crossing}: {found:?}");
             assert!(found.braids == 1 && found.are_woven(), "{what}");
             assert_eq!(found.keep_apart(), Some(true), "{what}");
@@ -226,7 +226,7 @@ fn gather_taper_tie_looseness_and_uneven_stitches_keep_the_word() {
         ];
         let (strands, ..) = braid(&source, &[set]);
         let got = braid_signs(
-            &Strand::all(&strands),
+            &CvStrand::all(&strands),
             &Spline::new(&source).unwrap(),
             &carried(&source),
             (0.0, 0.9),
@@ -236,7 +236,7 @@ fn gather_taper_tie_looseness_and_uneven_stitches_keep_the_word() {
         let m = default_frequency(n as u32);
         assert_eq!(got, path_signs(&Weave::new(n as u32, m, false, false)), "{n}");
         assert!(unevenness(&strands) < 1.2, "{}", unevenness(&strands));
-        let (worst, _) = overlap(&Strand::all(&strands));
+        let (worst, _) = overlap(&CvStrand::all(&strands));
         assert!(worst <= 1.02, "{n}: {worst}");
     }
 }
@@ -246,7 +246,7 @@ fn tubes_touch_and_never_overlap() {
     let mut worst = (0.0f32, String::new());
     let mut check = |what: String, source: &[Vec3], sets: &[Set], touch: f32| {
         let (strands, ..) = braid(source, sets);
-        let (most, touching) = overlap(&Strand::all(&strands));
+        let (most, touching) = overlap(&CvStrand::all(&strands));
         assert!(most <= 1.02, "{what}: {most}");
         assert!(touching > touch, "{what}: only {touching} touch");
         if most > worst.0 {
@@ -312,7 +312,7 @@ fn the_braid_is_as_large_as_asked() {
             let (strands, ..) = braid(&source, &[bare(), set]);
             let frame = carried(&source)(&[0.5])[0];
             let (mut w, mut h) = (0.0f32, 0.0f32);
-            for strand in Strand::all(&strands) {
+            for strand in CvStrand::all(&strands) {
                 for (p, r, u) in strand.samples(4) {
                     if u > 0.1 && u < 0.9 {
                         w = w.max(2.0 * (p.dot(frame.binormal()).abs() + r));
@@ -334,7 +334,7 @@ fn stitches_are_even_in_order_and_where_strands_are_outermost() {
         for (source, count) in [(straight(10.0), 9.0), (helix(2.0, 4.0, 1.0), 14.0)] {
             let (strands, stitches, _) =
                 braid(&source, &[bare(), set("strands", n), counted(count)]);
-            let (strands, spline) = (Strand::all(&strands), Spline::new(&source).unwrap());
+            let (strands, spline) = (CvStrand::all(&strands), Spline::new(&source).unwrap());
             let (tuft, _) = stitches.each().next().unwrap();
             let at = |k: usize| {
                 let (u, side) = (tuft.view(attr::ALONG).at(0, k), tuft.view(attr::SIDE).at(0, k));
@@ -400,7 +400,7 @@ fn any_number_of_stitches_and_points_makes_smooth_finite_strands() {
             braid(&points, &[set("strands", n), set("width", width), counted(stitches)]);
         assert_eq!(strands.curve_count(), n as usize);
         assert_eq!(stitch.point_count(), 2 * stitches as usize, "{n} {stitches}");
-        for strand in Strand::all(&strands) {
+        for strand in CvStrand::all(&strands) {
             assert!(strand.radius.iter().all(|r| r.is_finite() && *r >= 0.0));
             assert!(strand.along.windows(2).all(|w| w[0] <= w[1]));
         }
@@ -448,7 +448,7 @@ fn check_cornrow(scalp: &Arc<Scalp>, source: &[Vec3], sets: &[Set], what: &str) 
         assert!(tuft.view(attr::ROOT_TRIANGLE).at(i, 0) >= 0);
     }
     assert!(deepest > -1e-4, "{what}: {deepest}");
-    let strands = Strand::all(&strands);
+    let strands = CvStrand::all(&strands);
     let (worst, touching) = overlap(&strands);
     assert!(worst <= 1.02, "{what}: {worst}");
     assert!(touching > 0.07, "{what}: {touching}");
@@ -479,12 +479,12 @@ fn cornrows_lie_on_the_ball_and_keep_their_word() {
             let what = format!("{n} {mode} {sink}");
             worst = worst.max(check_cornrow(&scalp, &source, std::slice::from_ref(&set), &what));
             let (strands, ..) = braid(&source, &[set, vec![("scalp", scalp.clone().into())]]);
-            let strands = Strand::all(&strands);
+            let strands = CvStrand::all(&strands);
             let got = braid_signs(&strands, &spline, &on_ball(&source), (0.0, 0.9), 20.0, &what);
             let m = default_frequency(n as u32);
             assert_eq!(got, path_signs(&Weave::new(n as u32, m, true, false)), "{what}");
             // The top of the braid has the right height.
-            let high = |s: &Strand| {
+            let high = |s: &CvStrand| {
                 let tops = s.samples(2).into_iter().filter(|(.., u)| (0.1..0.2).contains(u));
                 tops.map(|(p, r, _)| p.length() + r - 8.9).fold(0.0, f32::max)
             };
@@ -626,7 +626,7 @@ fn what_is_loose_beyond_the_tie_rests_on_the_skin() {
             ("flyaway_length", flyaway.into()),
         ];
         let (out, _) = run(&NODE, &set);
-        let deep = depth::measure(&Hair::of(curves_of(&out[0]), &PlainHost), &scalp);
+        let deep = depth::measure(&MeasuredHair::of(curves_of(&out[0]), &PlainHost), &scalp);
         assert_eq!(deep.too_deep, 0, "tuft {length}: {deep:?}");
         for (tuft, i) in curves_of(&out[0]).each() {
             let drawn = Spline::new(tuft.curve(i)).unwrap().length();

@@ -11,12 +11,12 @@
 //! the skin; a source without length or with a non-finite number is dropped and named in a message. Not promised: that
 //! tubes stay clear where the source turns more sharply than that, or comes near itself.
 
-use super::flyaways::{self, Strand};
-use super::strand_placement::{self, Advance, Below, Contact, Facing, Shape};
-use super::strand_radius::{Line, Near, touching_radii};
+use super::flyaways::{self, FlyawayStrand};
+use super::strand_placement::{self, Advance, Below, BraidShape, Contact, Facing};
+use super::strand_radius::{Near, StrandLine, touching_radii};
 use super::weave::{Paths, Pitch, Weave, coprime, default_frequency};
 use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
-use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::field::Sampler;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
@@ -480,7 +480,7 @@ fn braid(
     let start = (start != Vec3::ZERO)
         .then_some(start)
         .or_else(|| scalp.map(|scalp| source.at(0.5) - scalp.frame().origin));
-    let shape = Shape {
+    let shape = BraidShape {
         weave: plan.weave,
         size,
         advance,
@@ -544,8 +544,9 @@ fn braid(
         let values = attribute.values.gather(&vec![curve as u32; strands as usize]);
         out.set_column(Attribute { values, ..attribute.clone() });
     }
-    let along =
-        |line: &Line| -> Vec<f32> { line.s.iter().map(|s| (s / length).clamp(0.0, 1.0)).collect() };
+    let along = |line: &StrandLine| -> Vec<f32> {
+        line.s.iter().map(|s| (s / length).clamp(0.0, 1.0)).collect()
+    };
     carry_along(&mut out, tuft, curve, &source, &laid.lines, length);
     out.set(attr::ID, Domain::Curve, ids.clone());
     out.set(attr::PARENT, Domain::Curve, vec![source_id]);
@@ -586,12 +587,12 @@ fn braid(
         bind(&mut stitch_curve, tuft, curve, source.at(0.0), scalp);
     }
 
-    let fine: Vec<Strand> = laid
+    let fine: Vec<FlyawayStrand> = laid
         .lines
         .iter()
         .zip(&radii)
         .zip(&ids)
-        .map(|((line, radii), id)| Strand {
+        .map(|((line, radii), id)| FlyawayStrand {
             spline: &line.spline,
             radii,
             centres: line.s.iter().map(|s| laid.centre(*s)).collect(),
@@ -677,7 +678,7 @@ fn carry_along(
     tuft: &Tuft,
     curve: usize,
     source: &Spline,
-    lines: &[Line],
+    lines: &[StrandLine],
     length: f32,
 ) {
     let own = [attr::ALONG.name, attr::RADIUS.name, attr::ALLOW_DEPTH.name];
@@ -686,7 +687,9 @@ fn carry_along(
         else {
             continue;
         };
-        let Some(View::Point(all)) = tuft.view_named::<f32>(&attribute.name) else { continue };
+        let Some(AttributeView::Point(all)) = tuft.view_named::<f32>(&attribute.name) else {
+            continue;
+        };
         let all = &all[tuft.range(curve)];
         let at = |s: &f32| {
             let place = source.locate((s / length).clamp(0.0, 1.0));

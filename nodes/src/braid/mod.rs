@@ -9,6 +9,7 @@ mod any_source;
 mod band;
 mod braid_hair;
 mod braid_territory;
+mod deviation;
 mod even;
 mod flyaways;
 mod ground;
@@ -24,7 +25,6 @@ mod strand_placement;
 mod strand_radius;
 mod tail;
 mod tube;
-mod wander;
 mod weave;
 
 pub(crate) const NODES: &[&NodeDef] =

@@ -11,17 +11,17 @@ use super::weave::Weave;
 use crate::data::attributes as attr;
 use crate::data::curves::{Curves, Tuft};
 use crate::maths::frame::{Frame, across, frames};
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::{Vec2, Vec3};
 
 /// A strand, from its CVs.
-pub(super) struct Strand {
+pub(super) struct CvStrand {
     spline: Spline,
     pub(super) along: Vec<f32>,
     pub(super) radius: Vec<f32>,
 }
 
-impl Strand {
+impl CvStrand {
     pub(super) fn all(strands: &Curves) -> Vec<Self> {
         let strand = |(tuft, i): (&Tuft, usize)| {
             let column = |declared| {
@@ -36,7 +36,7 @@ impl Strand {
         };
         strands.each().map(strand).collect()
     }
-    fn between(column: &[f32], place: Place) -> f32 {
+    fn between(column: &[f32], place: SplineParam) -> f32 {
         column[place.span] * (1.0 - place.t) + column[place.span + 1] * place.t
     }
     /// The point at the fraction `u` of the source.
@@ -44,7 +44,7 @@ impl Strand {
         let last = self.spline.span_count() - 1;
         let span = self.along.partition_point(|a| *a <= u).saturating_sub(1).min(last);
         let (a, b) = (self.along[span], self.along[span + 1]);
-        self.spline.point(Place { span, t: ((u - a) / (b - a)).clamp(0.0, 1.0) })
+        self.spline.point(SplineParam { span, t: ((u - a) / (b - a)).clamp(0.0, 1.0) })
     }
     /// Point, radius and fraction along the source, `per_span` samples per span.
     pub(super) fn samples(&self, per_span: usize) -> Vec<(Vec3, f32, f32)> {
@@ -52,7 +52,7 @@ impl Strand {
         (0..=n * per_span)
             .map(|k| {
                 let span = (k / per_span).min(n - 1);
-                let place = Place { span, t: (k - span * per_span) as f32 / per_span as f32 };
+                let place = SplineParam { span, t: (k - span * per_span) as f32 / per_span as f32 };
                 let point = self.spline.point(place);
                 (point, Self::between(&self.radius, place), Self::between(&self.along, place))
             })
@@ -141,7 +141,7 @@ pub(super) fn path_signs(weave: &Weave) -> Vec<Option<bool>> {
 /// when, so those crossings are only counted.
 #[track_caller]
 pub(super) fn braid_signs(
-    strands: &[Strand],
+    strands: &[CvStrand],
     source: &Spline,
     frames: &dyn Fn(&[f32]) -> Vec<Frame>,
     over: (f32, f32),
@@ -175,7 +175,7 @@ pub(super) fn braid_signs(
 
 /// The largest (r_i(u) + r_j(v)) / |p_i(u) - p_j(v)| of different strands, and the fraction of the strands' samples
 /// with a neighbour that touches them to 8 %.
-pub(super) fn overlap(strands: &[Strand]) -> (f32, f32) {
+pub(super) fn overlap(strands: &[CvStrand]) -> (f32, f32) {
     let all: Vec<Vec<(Vec3, f32, f32)>> = strands.iter().map(|s| s.samples(4)).collect();
     let (mut worst, mut touching, mut count) = (0.0f32, 0, 0);
     for (i, own) in all.iter().enumerate() {

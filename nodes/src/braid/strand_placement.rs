@@ -6,14 +6,14 @@
 //!
 //! **Invariant:** whatever moves points in depth keeps their order there, so no crossing is ever undone.
 
-use super::strand_radius::Line;
-use super::weave::{OUTLINE, Size, Weave};
+use super::strand_radius::StrandLine;
+use super::weave::{BraidSize, OUTLINE, Weave};
 use crate::data::route::makers::lift;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{self, Frame, SkinUnder};
 use crate::maths::hash::Dice;
 use crate::maths::smoothstep;
-use crate::maths::spline::{CurveFault, Place, Spline};
+use crate::maths::spline::{CurveFault, Spline, SplineParam};
 use glam::Vec3;
 
 /// Direction of a braid's front.
@@ -103,10 +103,10 @@ pub(crate) struct Below<'a> {
 }
 
 /// Everything that determines the positions of a braid's strands.
-pub(crate) struct Shape<'a> {
+pub(crate) struct BraidShape<'a> {
     pub(crate) weave: Weave,
     /// At the widest position.
-    pub(crate) size: Size,
+    pub(crate) size: BraidSize,
     pub(crate) advance: Advance,
     /// Stitches up to the tie.
     pub(crate) stitches: f64,
@@ -137,9 +137,9 @@ pub(crate) struct Shape<'a> {
 }
 
 /// A braid in space.
-pub(crate) struct Laid {
+pub(crate) struct PlacedBraid {
     /// The strands, evenly resampled.
-    pub(crate) lines: Vec<Line>,
+    pub(crate) lines: Vec<StrandLine>,
     /// Braid normal at each CV of each strand, perpendicular to the strand. Unit.
     pub(crate) normals: Vec<Vec<Vec3>>,
     stations: Vec<Station>,
@@ -195,9 +195,9 @@ const TUFT_STEP: f32 = 0.4;
 /// The most stations in an end tuft.
 const MOST_IN_TUFT: f32 = 256.0;
 
-impl Shape<'_> {
+impl BraidShape<'_> {
     /// Lays the strands along `source`.
-    pub(crate) fn lay(&self, source: &Spline) -> Result<Laid, CurveFault> {
+    pub(crate) fn lay(&self, source: &Spline) -> Result<PlacedBraid, CurveFault> {
         let (mut stations, braided) = self.stations(source);
         let mut strands: Vec<Vec<Vec3>> = (0..self.weave.strands)
             .map(|i| stations.iter().map(|station| self.point(station, i)).collect())
@@ -218,7 +218,8 @@ impl Shape<'_> {
         let more = raw.iter().map(|spline| more_points(spline, spans)).fold(1.0, f32::max);
         let n = (spans as f32 * more).ceil().min(MOST_FOR_TURNS.max(spans as f32)) as usize + 1;
         let finer = (n - 1) as f32 / spans as f32;
-        let mut laid = Laid { lines: vec![], normals: vec![], stations, raw, braided, finer };
+        let mut laid =
+            PlacedBraid { lines: vec![], normals: vec![], stations, raw, braided, finer };
         for (i, spline) in laid.raw.iter().enumerate() {
             let (mut points, mut s, mut ups, mut room) = (vec![], vec![], vec![], vec![]);
             for k in 0..n {
@@ -235,7 +236,7 @@ impl Shape<'_> {
                 frame::across(*up, tangent).unwrap_or_else(|| frame::any_normal(tangent))
             });
             laid.normals.push(normals.collect());
-            laid.lines.push(Line { spline: even, s, room });
+            laid.lines.push(StrandLine { spline: even, s, room });
         }
         Ok(laid)
     }
@@ -276,7 +277,7 @@ impl Shape<'_> {
         });
         let frames =
             frame::frames(source, &us, self.start, |u, _, _| match (self.facing, &under) {
-                (Facing::Skin, Some(under)) => under.wish(u),
+                (Facing::Skin, Some(under)) => under.normal_target(u),
                 (Facing::Axis(axis), _) => Some((axis, 1.0)),
                 _ => None,
             });
@@ -540,11 +541,11 @@ fn more_points(spline: &Spline, spans: usize) -> f32 {
 
 /// Total turn of a curve, radians (chords for arcs: slightly less).
 fn total_turn(spline: &Spline) -> f32 {
-    let mut last = spline.tangent(Place { span: 0, t: 0.0 });
+    let mut last = spline.tangent(SplineParam { span: 0, t: 0.0 });
     let mut total = 0.0;
     for span in 0..spline.span_count() {
         for t in [0.25, 0.5, 0.75, 1.0] {
-            let tangent = spline.tangent(Place { span, t });
+            let tangent = spline.tangent(SplineParam { span, t });
             total += tangent.distance(last);
             last = tangent;
         }
@@ -553,7 +554,7 @@ fn total_turn(spline: &Spline) -> f32 {
 }
 
 /// A point where a strand is outermost.
-pub(crate) struct Stitch {
+pub(crate) struct OutermostPoint {
     /// Stitch coordinate.
     pub(crate) q: f64,
     /// -1 left, 1 right.
@@ -561,9 +562,9 @@ pub(crate) struct Stitch {
     pub(crate) strand: u32,
 }
 
-impl Shape<'_> {
+impl BraidShape<'_> {
     /// The stitches up to the tie, in order; of two at one position, the left one first.
-    pub(crate) fn stitches(&self) -> Vec<Stitch> {
+    pub(crate) fn stitches(&self) -> Vec<OutermostPoint> {
         let n = f64::from(self.weave.strands);
         let mut all = vec![];
         for (quarter, side) in [(0.25, self.weave.first_side()), (0.75, -self.weave.first_side())] {
@@ -575,7 +576,7 @@ impl Shape<'_> {
             }
             while q < self.stitches - 1e-9 {
                 let strand = (first - q).round().rem_euclid(n) as u32;
-                all.push(Stitch { q, side, strand });
+                all.push(OutermostPoint { q, side, strand });
                 q += 1.0;
             }
         }
@@ -586,15 +587,15 @@ impl Shape<'_> {
     }
 }
 
-impl Laid {
+impl PlacedBraid {
     /// The position of a stitch coordinate on the strands through the stations.
-    fn place(&self, q: f64, stitches: f64) -> Place {
+    fn place(&self, q: f64, stitches: f64) -> SplineParam {
         let x = (q / stitches).clamp(0.0, 1.0) * self.braided as f64;
         let span = (x as usize).min(self.braided - 1);
-        Place { span, t: (x - span as f64) as f32 }
+        SplineParam { span, t: (x - span as f64) as f32 }
     }
     /// Position of strand `strand` at a stitch, its arc length along the source, and the braid's normal.
-    pub(crate) fn stitch(&self, stitch: &Stitch, stitches: f64) -> (Vec3, f32, Vec3) {
+    pub(crate) fn stitch(&self, stitch: &OutermostPoint, stitches: f64) -> (Vec3, f32, Vec3) {
         let place = self.place(stitch.q, stitches);
         let point = self.raw[stitch.strand as usize].point(place);
         (point, self.along(place), self.frame(place).normal)
@@ -603,11 +604,11 @@ impl Laid {
     pub(crate) fn cvs_per_stitch(&self, stitches: f64) -> f32 {
         (self.braided as f64 / stitches) as f32 * self.finer
     }
-    fn along(&self, place: Place) -> f32 {
+    fn along(&self, place: SplineParam) -> f32 {
         let (a, b) = (&self.stations[place.span], &self.stations[place.span + 1]);
         a.s + (b.s - a.s) * place.t
     }
-    fn frame(&self, place: Place) -> Frame {
+    fn frame(&self, place: SplineParam) -> Frame {
         let (a, b) = (&self.stations[place.span].frame, &self.stations[place.span + 1].frame);
         let tangent = a.tangent.lerp(b.tangent, place.t).try_normalize().unwrap_or(a.tangent);
         let normal = a.normal.lerp(b.normal, place.t);

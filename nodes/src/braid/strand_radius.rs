@@ -12,12 +12,12 @@
 use crate::define::NodeError;
 use crate::eval::Piece;
 use crate::maths::nearest_on;
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
 
 /// A strand's centre line: its spline and, for each CV, the arc length along the braid's source and the largest radius
 /// that the braid's outline allows.
-pub(crate) struct Line {
+pub(crate) struct StrandLine {
     pub(crate) spline: Spline,
     pub(crate) s: Vec<f32>,
     pub(crate) room: Vec<f32>,
@@ -46,17 +46,17 @@ struct Fine {
 const BLOCK: usize = 16;
 
 impl Fine {
-    fn new(line: &Line, per_span: usize) -> Self {
+    fn new(line: &StrandLine, per_span: usize) -> Self {
         let n = line.spline.span_count();
         let mut fine = Self { at: [vec![], vec![], vec![]], s: vec![], boxes: vec![] };
         for span in 0..n {
             for sub in 0..per_span {
                 let t = sub as f32 / per_span as f32;
                 let s = line.s[span] + (line.s[span + 1] - line.s[span]) * t;
-                fine.push(line.spline.point(Place { span, t }), s);
+                fine.push(line.spline.point(SplineParam { span, t }), s);
             }
         }
-        fine.push(line.spline.point(Place { span: n - 1, t: 1.0 }), line.s[n]);
+        fine.push(line.spline.point(SplineParam { span: n - 1, t: 1.0 }), line.s[n]);
         fine
     }
     fn push(&mut self, p: Vec3, s: f32) {
@@ -214,7 +214,7 @@ pub(crate) struct Near {
 
 /// Radii at which the tubes touch, one for each CV of each line.
 pub(crate) fn touching_radii(
-    lines: &[Line],
+    lines: &[StrandLine],
     Near { window, stitch, wave }: Near,
     piece: &mut Piece,
 ) -> Result<Vec<Vec<f32>>, NodeError> {

@@ -4,7 +4,7 @@
 use super::band::{Band, Waist};
 use super::braid_territory::JOINED;
 use crate::data::attributes as attr;
-use crate::data::curves::{Tuft, View};
+use crate::data::curves::{AttributeView, Tuft};
 use crate::data::field::Sampler;
 use crate::data::scalp::Skin;
 use crate::maths::frame::{across, any_normal};
@@ -14,7 +14,7 @@ use crate::maths::transcendental::sin_cos;
 use glam::{Vec2, Vec3};
 
 /// Settings of the tubes. Lengths in cm.
-pub(super) struct Asked<'a> {
+pub(super) struct TubeParams<'a> {
     pub(super) per_stitch: f32,
     /// Factor of the strands' radius.
     pub(super) fill: &'a Sampler<'a>,
@@ -47,7 +47,7 @@ const MOST: f32 = 8192.0;
 
 /// A cross-section.
 #[derive(Clone, Copy)]
-pub(super) struct Section {
+pub(super) struct TubeSection {
     pub(super) centre: Vec3,
     /// Half axes: to the braid's right, and away from its back.
     pub(super) x: Vec3,
@@ -59,7 +59,7 @@ pub(super) struct Section {
     pub(super) joined: f32,
 }
 
-impl Section {
+impl TubeSection {
     #[inline]
     fn between(a: &Self, b: &Self, t: f32) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl Section {
 pub(super) struct Tube {
     pub(super) id: u64,
     pub(super) strand: i32,
-    at: Vec<Section>,
+    at: Vec<TubeSection>,
     /// Front of the braid, unit, and whether the skin is near, at the same steps.
     beside: Vec<(Vec3, bool)>,
     /// Step number at the tie.
@@ -87,10 +87,10 @@ pub(super) struct Tube {
 impl Tube {
     /// The cross-section at a step number, clamped to the strand.
     #[inline]
-    pub(super) fn section(&self, t: f32) -> Section {
+    pub(super) fn section(&self, t: f32) -> TubeSection {
         let t = t.clamp(0.0, (self.at.len() - 1) as f32);
         let k = (t as usize).min(self.at.len() - 2);
-        Section::between(&self.at[k], &self.at[k + 1], t - k as f32)
+        TubeSection::between(&self.at[k], &self.at[k + 1], t - k as f32)
     }
     /// Unit direction of the strand at a step number.
     pub(super) fn tangent(&self, t: f32) -> Vec3 {
@@ -165,7 +165,11 @@ pub(super) struct Braid {
 
 impl Braid {
     /// The braid of these strands (one tuft); `None` if they are not curves.
-    pub(super) fn new(strands: &Tuft, mut stitches: Vec<Stitch>, asked: &Asked) -> Option<Self> {
+    pub(super) fn new(
+        strands: &Tuft,
+        mut stitches: Vec<Stitch>,
+        asked: &TubeParams,
+    ) -> Option<Self> {
         stitches.sort_by(|a, b| a.along.total_cmp(&b.along).then(a.number.cmp(&b.number)));
         let splines: Vec<Spline> = (0..strands.len())
             .map(|i| Spline::new(strands.curve(i)).ok())
@@ -235,12 +239,13 @@ impl Braid {
         self.waist = Some(waist);
     }
 
-    fn tube(strands: &Tuft, i: usize, cut: &Cut, asked: &Asked) -> Tube {
+    fn tube(strands: &Tuft, i: usize, cut: &Cut, asked: &TubeParams) -> Tube {
         let Cut { spline, step, tie, knot } = *cut;
         let range = strands.range(i);
         let (radius, normal) = (strands.view(attr::RADIUS), strands.view(attr::NORMAL));
         let along = strands.view(attr::ALONG);
-        let joined: View<f32> = strands.view_named(JOINED).unwrap_or(View::Shared(1.0));
+        let joined: AttributeView<f32> =
+            strands.view_named(JOINED).unwrap_or(AttributeView::Shared(1.0));
         let steps = (spline.length() / step).floor().max(2.0) as usize;
         let mut at = Vec::with_capacity(steps + 1);
         let mut beside = Vec::with_capacity(steps + 1);
@@ -248,7 +253,7 @@ impl Braid {
             let s = (k as f32 * step).min(spline.length());
             let place = spline.locate_length(s);
             let (a, b) = (range.start + place.span, range.start + place.span + 1);
-            let mix = |view: &View<f32>| {
+            let mix = |view: &AttributeView<f32>| {
                 let (a, b) = (view.at(i, a), view.at(i, b));
                 a + (b - a) * place.t
             };
@@ -269,7 +274,7 @@ impl Braid {
             let reach = x.length().max(y.length()) + NEAR;
             let near = asked.skin.is_some_and(|skin| !skin.is_clear(centre, reach));
             beside.push((front, near));
-            at.push(Section {
+            at.push(TubeSection {
                 centre,
                 x: x * cos + y * sin,
                 y: y * cos - x * sin,
@@ -388,7 +393,7 @@ impl Braid {
 }
 
 /// Computes the curvature of a strand at each section, over the spacing of two points of a hair.
-fn bend(at: &mut [Section], step: f32) {
+fn bend(at: &mut [TubeSection], step: f32) {
     let h = FINE as usize;
     for k in h..at.len().saturating_sub(h) {
         let turn = at[k - h].centre + at[k + h].centre - at[k].centre * 2.0;
@@ -400,7 +405,7 @@ fn bend(at: &mut [Section], step: f32) {
 /// A place in a cross-section. On the inside of a bend, hair is compressed so that none lies beyond the centre of the
 /// bend, where it would run backward.
 #[inline]
-pub(super) fn place(section: &Section, q: Vec2) -> Vec3 {
+pub(super) fn place(section: &TubeSection, q: Vec2) -> Vec3 {
     let inward = section.bend.dot(q).max(0.0) * (1.0 / INSIDE);
     let q = q / (1.0 + inward * inward).sqrt();
     section.centre + section.x * q.x + section.y * q.y

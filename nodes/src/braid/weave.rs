@@ -101,7 +101,7 @@ impl Pitch {
 
 /// The inner dimensions of a straight braid of a given outer size, cm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Size {
+pub(crate) struct BraidSize {
     /// Amplitude of the centre lines across.
     pub(crate) a: f32,
     /// Amplitude of the centre lines in depth.
@@ -147,7 +147,7 @@ impl Paths {
 
     /// The centre lines of a straight braid that is `width` by `height` over its tubes, whose radii are `fullness`
     /// times those that touch.
-    pub(crate) fn size(&self, width: f32, height: f32, pitch: Pitch, fullness: f32) -> Size {
+    pub(crate) fn size(&self, width: f32, height: f32, pitch: Pitch, fullness: f32) -> BraidSize {
         let (half_w, half_h) = (0.5 * width, 0.5 * height);
         let (mut a, mut b) = (0.7 * half_w, 0.5 * half_h);
         // The tubes' contribution changes more slowly than the amplitude: half steps converge to a thousandth of the
@@ -157,7 +157,7 @@ impl Paths {
             a = (a + 0.5 * (half_w - w)).max(0.05 * half_w);
             b = (b + 0.5 * (half_h - h)).max(0.02 * half_h);
         }
-        Size { a, b, pitch: pitch.of(a), side: half_w - a, top: half_h - b }
+        BraidSize { a, b, pitch: pitch.of(a), side: half_w - a, top: half_h - b }
     }
 
     /// Half the outer width, and half the outer height where strands are highest: elsewhere the node keeps tubes below

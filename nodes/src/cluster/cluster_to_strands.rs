@@ -9,8 +9,8 @@
 //! frizzed are as evenly spaced as the cluster's.
 
 use super::bias::end_on_plane;
-use super::cross_sections::{Section, Sections, open_radius, widest_radius};
-use super::shape::Shape;
+use super::cross_sections::{CrossSection, CrossSections, open_radius, widest_radius};
+use super::shape::ClusterShape;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
     ROOT_TRIANGLE, ROOT_UV, WIDTH,
@@ -25,7 +25,7 @@ use crate::define::{Colour, FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
-use crate::maths::random_walk::wander;
+use crate::maths::random_walk::random_walk;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ node! {
     /// Fills clusters with hair: strands rooted on the scalp around each cluster's root, which run within its radius to the
     /// tip.
     ///
-    /// Density fills the cluster, twist turns its cross-section from CV to CV and makes ropes, frizz lets each strand wander.
+    /// Density fills the cluster, twist turns its cross-section from CV to CV and makes ropes, frizz makes each strand deviate at random.
     /// Editing a cluster rebuilds only its own strands; a higher density only adds strands.
     "cluster_to_strands", version 1, label "Cluster to strands",
         words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins, scales;
@@ -106,7 +106,7 @@ node! {
         stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("flyaways loose hairs");
         /// Largest distance of a stray tip.
         stray_amount: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("flyaways loose hairs");
-        /// How much strands wander within the cluster: 0 runs parallel, 1 may cross it from one step to the next.
+        /// Random deviation of strands within the cluster: 0 keeps them parallel, 1 lets them cross it in one step.
         frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()),
             hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
         /// Spacing of random steps of frizz along the cluster. 0: one step at each of the cluster's points.
@@ -144,7 +144,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         seed: inputs.seed,
         scalp,
         skin,
-        shape: Shape::asked(&inputs, cx.dice(inputs.seed, "shape")),
+        shape: ClusterShape::from_inputs(&inputs, cx.dice(inputs.seed, "shape")),
     };
     // How many strands a cluster of a density and radius (cm) asks for.
     let strands_in = |density: f32, radius: f32| match inputs.count {
@@ -166,7 +166,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let (density, other) = (inputs.density.on(tuft, scalp)?, inputs.flatness.on(tuft, scalp)?);
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
-            let asked = super::cross_sections::Asked {
+            let asked = super::cross_sections::CrossSectionParams {
                 points: 0,
                 most_points: 0,
                 radius: &radius,
@@ -236,7 +236,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         };
         let first = tuft.range(curve).start;
         let density = inputs.density.on(tuft, scalp)?.at(curve, first, 0.0);
-        let sampled = super::cross_sections::Asked {
+        let sampled = super::cross_sections::CrossSectionParams {
             points: inputs.points as usize,
             most_points: inputs.most_points as usize,
             radius: &inputs.radius.on(tuft, scalp)?,
@@ -248,7 +248,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             least: least(density),
             twist: &inputs.twist.on(tuft, scalp)?,
         };
-        let sections = match Sections::new(tuft, curve, &sampled, skin.zip(scalp)) {
+        let sections = match CrossSections::new(tuft, curve, &sampled, skin.zip(scalp)) {
             Ok(sections) => sections,
             Err(fault) => return left_out(&fault.to_string()),
         };
@@ -281,13 +281,13 @@ struct Filler<'a> {
     scalp: Option<&'a Scalp>,
     skin: Option<Skin<'a>>,
     /// None where strands run as their cluster does.
-    shape: Option<Shape>,
+    shape: Option<ClusterShape>,
 }
 
-impl Shape {
+impl ClusterShape {
     /// The shape that inputs ask for.
-    fn asked(inputs: &Inputs, dice: Dice) -> Option<Self> {
-        let shape = Shape {
+    fn from_inputs(inputs: &Inputs, dice: Dice) -> Option<Self> {
+        let shape = ClusterShape {
             wisps: inputs.wisps as usize,
             root_clump: inputs.root_clump,
             tip_clump: inputs.tip_clump,
@@ -307,7 +307,7 @@ impl Filler<'_> {
         &self,
         cluster: u64,
         count: usize,
-        sections: &Sections,
+        sections: &CrossSections,
         piece: &mut Piece,
     ) -> Result<TuftBuilder, NodeError> {
         let skin = self.skin.as_ref().filter(|_| self.push);
@@ -351,8 +351,8 @@ impl Filler<'_> {
             }
             let first = points.len();
             points.push(root);
-            wander(self.walk, id, q, &sections.steps, &mut walk);
-            let walked = |section: &Section| {
+            random_walk(self.walk, id, q, &sections.steps, &mut walk);
+            let walked = |section: &CrossSection| {
                 let [a, b, c] = section.weights;
                 match walk.get(section.knot..section.knot + 3) {
                     Some([before, here, after]) if wanders => *before * a + *here * b + *after * c,
@@ -430,7 +430,7 @@ fn inherit(
     strands: &mut TuftBuilder,
     tuft: &Tuft,
     curve: usize,
-    sections: &Sections,
+    sections: &CrossSections,
     inputs: &Inputs,
 ) {
     let count = strands.len();

@@ -1,88 +1,88 @@
-//! The cross-sections of a cluster where its strands have points: worked out once, used by every strand.
+//! Cross-sections of a cluster at the CVs of its strands, computed once for all strands.
 
 use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, NORMAL, ROLL, SCALP_NORMAL};
-use crate::data::curves::{Tuft, View};
+use crate::data::curves::{AttributeView, Tuft};
 use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{Frame, across, any_normal, carry, frames};
 use crate::maths::random_walk::smooth;
-use crate::maths::spline::{CurveFault, Place, Spline};
+use crate::maths::spline::{CurveFault, Spline, SplineParam};
 use crate::maths::transcendental::{atan2, sin_cos};
 use glam::Vec3;
 
-/// The most that the cross-section turns between two points of a strand, degrees.
+/// Largest rotation of the cross-section between two CVs of a strand, degrees.
 const TURN: f32 = 30.0;
-/// Strands reach the plane across the cluster within this many radii from the root: sooner, those rooted ahead of
-/// a cluster that leaves at a flat angle would have to run back.
+/// Strands reach the plane across the cluster within this many radii from the root. With less, strands rooted in front of a
+/// cluster that leaves at a flat angle would have to run back.
 const REACH: f32 = 1.25;
-/// The most steps of a random walk along one cluster.
+/// Largest number of steps of the random walk along a cluster.
 const MOST_STEPS: f32 = 4096.0;
 
-/// What the artist asks of a cluster.
-pub(super) struct Asked<'a> {
+/// Settings of a cluster.
+pub(super) struct CrossSectionParams<'a> {
     pub points: usize,
-    /// The most points of a strand, whatever else asks for more.
+    /// Largest number of CVs per strand.
     pub most_points: usize,
     pub radius: &'a Sampler<'a>,
-    /// Multiplies the radius, root to tip.
+    /// Factor of the radius, root to tip.
     pub profile: &'a Ramp,
-    /// Thickness by width of the cross-section.
+    /// Thickness of the cross-section relative to its width.
     pub flatness: &'a Sampler<'a>,
-    /// Degrees from the skin's normal to the thin way.
+    /// Angle between the skin's normal and the thin axis, degrees.
     pub flat_angle: f32,
     pub frizz: &'a Sampler<'a>,
-    /// cm; 0: one step at each CV.
+    /// Spacing of frizz steps, cm; 0: one step per CV.
     pub frizz_step: f32,
-    /// The least radius, cm, that holds a strand.
+    /// Smallest radius, cm, that holds a strand.
     pub least: f32,
-    /// Degrees at each CV but the root.
+    /// Twist per CV after the root, degrees.
     pub twist: &'a Sampler<'a>,
 }
 
-/// What all strands of a cluster share.
-pub(super) struct Sections {
-    /// Where the cluster starts.
+/// Data shared by all strands of a cluster.
+pub(super) struct CrossSections {
+    /// Root of the cluster.
     pub root: Vec3,
-    /// Where the cluster is open first: see [`open_radius`].
+    /// Fraction along the cluster where it first opens: see [`open_radius`].
     pub root_radius: f32,
-    /// The plane in which strands end: a point of it, and its normal out of the hair, unit.
+    /// Plane in which strands end: a point, and the unit normal out of the hair.
     pub cut: Option<(Vec3, Vec3)>,
     /// Length of the cluster, cm.
     pub length: f32,
-    /// Half axes of the disc of roots, in the scalp's tangent plane, cm.
+    /// Half axes of the disc of roots in the scalp's tangent plane, cm.
     pub disc: [Vec3; 2],
-    /// One for each point of a strand; the root's is not used.
-    pub at: Vec<Section>,
-    /// How far the walk may step to each of its knots, in radii; empty when no strand wanders.
+    /// One per CV of a strand; that of the root is unused.
+    pub at: Vec<CrossSection>,
+    /// Largest step of the walk to each of its knots, in radii; empty without frizz.
     pub steps: Vec<f32>,
-    /// Whether strands would need more points than they may have.
+    /// Whether strands need more CVs than they may have.
     pub coarse: bool,
-    /// Whether the cluster says point by point how deep it may lie in the skin.
+    /// Whether the cluster sets its allowed depth under the skin per CV.
     pub sinks: bool,
-    places: Vec<Place>,
+    places: Vec<SplineParam>,
 }
 
-/// The cross-section at one point of the strands.
-pub(super) struct Section {
+/// The cross-section at one CV of the strands.
+pub(super) struct CrossSection {
     pub centre: Vec3,
-    /// Half axes, cm: radius and roll are in them.
+    /// Half axes, cm; radius and roll are included.
     pub x: Vec3,
     pub y: Vec3,
-    /// The first of three values of the walk that count here, and how much each does.
+    /// Index of the first of three knots of the walk, and the weight of each.
     pub knot: usize,
     pub weights: [f32; 3],
-    /// How deep the point may go under the skin, cm.
+    /// Allowed depth of the CV under the skin, cm.
     pub depth: f32,
-    /// How much of the offset from the centre is still the root's.
+    /// Fraction of the root's offset that remains here.
     pub root_share: f32,
     tangent: Vec3,
     pub radius: f32,
 }
 
-impl Section {
-    /// A point on its way from the root, `offset` from the cluster's, to `p` in the plane across; no farther from the
-    /// centre line than the radius.
+impl CrossSection {
+    /// A point on the way from the root, `offset` from the cluster's root, to `p` in the plane across; no farther from the centre
+    /// line than the radius.
     #[inline]
     pub(super) fn on_the_way(&self, offset: Vec3, p: Vec3) -> Vec3 {
         let blended = (p - self.centre).lerp(offset, self.root_share);
@@ -91,25 +91,26 @@ impl Section {
     }
 }
 
-impl Sections {
+impl CrossSections {
     pub(super) fn new(
         tuft: &Tuft,
         curve: usize,
-        asked: &Asked,
+        asked: &CrossSectionParams,
         head: Option<(Skin, &Scalp)>,
     ) -> Result<Self, CurveFault> {
         let spline = Spline::new(tuft.curve(curve))?;
         let (cvs, length) = (tuft.range(curve), spline.length());
-        let sample = |field: &Sampler, place: Place, u: f32| {
+        let sample = |field: &Sampler, place: SplineParam, u: f32| {
             between(place, |cv| field.at(curve, cvs.start + cv, u))
         };
         let rolls = rolls(tuft, curve, &spline, asked.twist);
-        let roll_at = |place: Place| between(place, |cv| rolls[cv]).to_radians();
+        let roll_at = |place: SplineParam| between(place, |cv| rolls[cv]).to_radians();
         let (us, places, coarse) = strand_points(&spline, asked, &rolls);
 
         let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
-        let radius_at =
-            |place: Place, u: f32| sample(asked.radius, place, u) * asked.profile.at(u).max(0.0);
+        let radius_at = |place: SplineParam, u: f32| {
+            sample(asked.radius, place, u) * asked.profile.at(u).max(0.0)
+        };
         let root_radius = open_radius(tuft, curve, asked, |cv| spline.u_of_cv(cv));
         let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
         let normal = match hit {
@@ -136,7 +137,7 @@ impl Sections {
             .collect();
         let carried = frames(&spline, &us, Some(start), |_, _, _| None);
         let flat = Flat::new(asked, tuft.view(NORMAL).at(curve, cvs.start), normal, &carried);
-        let thin = |place: Place, u: f32| sample(asked.flatness, place, u);
+        let thin = |place: SplineParam, u: f32| sample(asked.flatness, place, u);
         let at = carried
             .into_iter()
             .zip(us.iter().zip(&places))
@@ -149,7 +150,7 @@ impl Sections {
                     step if step > 0.0 => u * spans as f32,
                     _ => place.span as f32 + place.t,
                 });
-                Section {
+                CrossSection {
                     centre: spline.point(place),
                     x,
                     y,
@@ -165,19 +166,18 @@ impl Sections {
         let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
         let disc = flat.pressed(disc, thin(places[0], 0.0));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
-        let sinks =
-            matches!(depth, View::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
+        let sinks = matches!(depth, AttributeView::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
         let cut = tuft.view(CUT).at(curve, cvs.start).try_normalize();
         let cut = cut.map(|normal| (tuft.curve(curve)[cvs.len() - 1], normal));
         Ok(Self { root, cut, root_radius, length, disc, at, steps, places, coarse, sinks })
     }
 
-    /// The cluster's colour at each point of a strand, or the one it has everywhere.
+    /// The cluster's colour at each CV of a strand, or one colour for all.
     pub(super) fn colours(&self, tuft: &Tuft, curve: usize) -> Vec<Vec3> {
         match tuft.view(COLOUR) {
-            View::Point(all) => {
+            AttributeView::Point(all) => {
                 let all = &all[tuft.range(curve)];
-                let at = |place: &Place| all[place.span].lerp(all[place.span + 1], place.t);
+                let at = |place: &SplineParam| all[place.span].lerp(all[place.span + 1], place.t);
                 self.places.iter().map(at).collect()
             }
             other => vec![other.at(curve, 0)],
@@ -185,33 +185,33 @@ impl Sections {
     }
 }
 
-/// The radius (cm) by which roots lie, and strands are counted: at the first CV where it holds a strand. A tube that begins in a point
-/// is no empty cluster. Where none does, the widest. `u` tells how far along a CV is.
+/// Radius (cm) that sets the roots and the number of strands: at the first CV where the cluster holds a strand, so a tube that
+/// starts in a point is not empty; the largest radius if no CV does. `u` is the fraction along at each CV.
 pub(super) fn open_radius(
     tuft: &Tuft,
     curve: usize,
-    asked: &Asked,
+    asked: &CrossSectionParams,
     u: impl Fn(usize) -> f32,
 ) -> f32 {
     let open = radii(tuft, curve, asked, &u).find(|radius| *radius > asked.least);
     open.unwrap_or_else(|| widest_radius(tuft, curve, asked, u))
 }
 
-/// The radius (cm) at the widest of its CVs.
+/// The largest radius of all CVs, cm.
 pub(super) fn widest_radius(
     tuft: &Tuft,
     curve: usize,
-    asked: &Asked,
+    asked: &CrossSectionParams,
     u: impl Fn(usize) -> f32,
 ) -> f32 {
     radii(tuft, curve, asked, &u).fold(0.0, f32::max)
 }
 
-/// The radius (cm) at each CV.
+/// The radius at each CV, cm.
 fn radii(
     tuft: &Tuft,
     curve: usize,
-    asked: &Asked,
+    asked: &CrossSectionParams,
     u: &impl Fn(usize) -> f32,
 ) -> impl Iterator<Item = f32> {
     let cvs = tuft.range(curve);
@@ -222,18 +222,18 @@ fn radii(
     })
 }
 
-/// Which way cross-sections are flat.
+/// The thin axis of flat cross-sections.
 struct Flat {
-    /// The thin way in a frame: parts of its normal and its binormal.
+    /// The thin axis in a frame: its components along the normal and the binormal.
     thin: [f32; 2],
-    /// No section is flat.
+    /// All cross-sections are round.
     round: bool,
 }
 
 impl Flat {
-    /// The thin way is that of the curve's own normal where it has one, else that of the skin's, seen where the
-    /// cluster has left its root.
-    fn new(asked: &Asked, own: Vec3, skin: Vec3, carried: &[Frame]) -> Self {
+    /// The thin axis is the curve's own normal where it has one, else the skin's normal at the place where the cluster leaves the
+    /// root.
+    fn new(asked: &CrossSectionParams, own: Vec3, skin: Vec3, carried: &[Frame]) -> Self {
         let round = asked.flatness.is_of_curves() && asked.flatness.at(0, 0, 0.0) >= 1.0;
         let (frame, wanted) = match own.try_normalize() {
             Some(own) => (carried.first(), own),
@@ -246,7 +246,7 @@ impl Flat {
         let (sin, cos) = sin_cos(angle + asked.flat_angle.to_radians());
         Self { thin: [cos, sin], round }
     }
-    /// Half axes of a section whose thickness along the thin way is so much of its width.
+    /// Half axes of a cross-section with this ratio of thickness to width.
     fn pressed(&self, [x, y]: [Vec3; 2], thickness: f32) -> [Vec3; 2] {
         if self.round || thickness >= 1.0 {
             return [x, y];
@@ -258,13 +258,13 @@ impl Flat {
     }
 }
 
-/// A number between CVs.
-fn between(place: Place, at: impl Fn(usize) -> f32) -> f32 {
+/// Interpolates between CVs.
+fn between(place: SplineParam, at: impl Fn(usize) -> f32) -> f32 {
     let (a, b) = (at(place.span), at(place.span + 1));
     a + (b - a) * place.t
 }
 
-/// Running sum of the turn at each CV, degrees.
+/// Sum of the twist up to each CV, degrees.
 fn rolls(tuft: &Tuft, curve: usize, spline: &Spline, twist: &Sampler) -> Vec<f32> {
     let (roll, first) = (tuft.view(ROLL), tuft.range(curve).start);
     let mut sum = 0.0;
@@ -273,22 +273,26 @@ fn rolls(tuft: &Tuft, curve: usize, spline: &Spline, twist: &Sampler) -> Vec<f32
             if cv > 0 {
                 sum += twist.at(curve, first + cv, spline.u_of_cv(cv));
             }
-            // Whatever an attribute holds: a roll that is no number turns nothing.
+            // A roll that is not finite counts as 0.
             let all = sum + roll.at(curve, first + cv);
             if all.is_finite() { all } else { 0.0 }
         })
         .collect()
 }
 
-/// Where a strand has points: evenly along the cluster, and so many that its roll turns at most [`TURN`] in between. The last
-/// value tells whether that, or what was asked for, is more than a strand may have: then it has the most there are.
-fn strand_points(spline: &Spline, asked: &Asked, rolls: &[f32]) -> (Vec<f32>, Vec<Place>, bool) {
+/// Positions of a strand's CVs: evenly along the cluster, and enough that it rolls by at most [`TURN`] between two. The last
+/// value is whether that, or the requested number, exceeds the limit, which is then used.
+fn strand_points(
+    spline: &Spline,
+    asked: &CrossSectionParams,
+    rolls: &[f32],
+) -> (Vec<f32>, Vec<SplineParam>, bool) {
     let most_points = asked.most_points.max(2);
     let mut count = asked.points.min(most_points);
     loop {
         let us: Vec<f32> = (0..count).map(|k| k as f32 / (count - 1) as f32).collect();
-        let places: Vec<Place> = us.iter().map(|u| spline.locate(*u)).collect();
-        let roll = |place: Place| between(place, |cv| rolls[cv]);
+        let places: Vec<SplineParam> = us.iter().map(|u| spline.locate(*u)).collect();
+        let roll = |place: SplineParam| between(place, |cv| rolls[cv]);
         let most = places.windows(2).map(|w| (roll(w[1]) - roll(w[0])).abs()).fold(0.0, f32::max);
         let fine = most <= TURN * 1.001;
         if fine || count >= most_points {

@@ -9,7 +9,7 @@
 //! where that would lead it over a parting it gathers to the guide sooner, so that both leave the section in one place. Not
 //! promised: that hair stays over its section beyond that, for it goes where its guides go.
 
-use super::plan::{Hair, Plan};
+use super::plan::{Plan, PlannedHair};
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, Domain, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
     SCALP_NORMAL, SECTION, WIDTH,
@@ -40,7 +40,7 @@ node! {
         guides: Curves;
         /// The head that the hair grows on.
         scalp: Arc<Scalp>;
-        /// Whether to set the number of hairs or their density.
+        /// Set the density of hair, or the number of hairs.
         by: By = By::Density;
         /// Hairs per square centimetre, when by density. People have 130 to 250.
         density: f32 = 120.0, hard(0.0, 5000.0), soft(1.0, 300.0), unit(PerCm2), words("amount number"),
@@ -87,11 +87,11 @@ node! {
 }
 
 choice! {
-    /// What decides the number of hairs.
+    /// How the number of hairs is set.
     By {
-        /// So many on each square centimetre.
+        /// Hairs per square centimetre.
         Density = "density",
-        /// So many on the whole region.
+        /// Hairs on the whole region.
         Count = "count",
     }
 }
@@ -99,7 +99,7 @@ choice! {
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
     let guides = one_each(&inputs.guides);
-    let asked = super::plan::Asked {
+    let asked = super::plan::PlanParams {
         count: (inputs.by == By::Count).then_some(inputs.count as usize),
         density: inputs.density,
         mask: &inputs.mask,
@@ -123,7 +123,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             "only {there} of {count} hairs are there, in places ten times as many: mask, reach or partings leave the others bare; \
              raise count, or go by density"
         );
-        // A mask is there to leave hair out.
+        // A mask only leaves hair out.
         match inputs.mask.constant() {
             None => cx.remark(text),
             Some(_) => cx.warn(text),
@@ -141,7 +141,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let key = KeyBuilder::new("hair").key(group.key);
         group.guides.iter().fold(key, |key, guide| key.key(guides[*guide as usize].key())).finish()
     };
-    // Each is read by the hair of several guides, and made when the first of them is.
+    // Guides are read by the hair of several others, and prepared by whichever comes first.
     let shapes: Vec<OnceLock<Shape>> = (0..guides.len()).map(|_| OnceLock::new()).collect();
     let shape = |guide: u32| {
         let guide = guide as usize;
@@ -153,7 +153,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [curves] = cx.each_item(plan.groups.len(), &size, key, |i, piece| {
         let group = &plan.groups[i];
         let own = group.guides[0];
-        // Hairs lie in the list in the order in which density adds them.
+        // Hairs are listed in the order in which a rising density adds them.
         let hairs = &group.hairs[..cx.thinned(group.hairs.len())];
         let read = Read {
             own: &guides[own as usize],
@@ -168,7 +168,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Guides one to a tuft: what is read of one changes with it alone.
+/// Guides, one per tuft, so that a key changes with one guide alone.
 fn one_each(curves: &Curves) -> Vec<Arc<Tuft>> {
     let mut out = Vec::with_capacity(curves.curve_count());
     for tuft in curves.tufts() {
@@ -187,19 +187,19 @@ struct Maker<'a> {
     dice: Dice,
 }
 
-/// What the hair of one guide is made from.
+/// Inputs of the hair of one guide.
 struct Read<'a, 'p> {
     own: &'a Tuft,
     section: u64,
     own_shape: &'p Shape,
-    /// How many.
+    /// Number of hairs.
     hairs: usize,
-    /// One of them, with its guides and their weights.
-    hair: &'a dyn Fn(usize) -> (&'p Hair, &'p [(u32, f32)]),
+    /// A hair, with its guides and their weights.
+    hair: &'a dyn Fn(usize) -> (&'p PlannedHair, &'p [(u32, f32)]),
     shape: &'a dyn Fn(u32) -> &'p Shape,
 }
 
-/// A guide as hair reads it: points relative to its root at even arc length, one list for each axis.
+/// A guide for blending: CVs relative to its root at even arc length, one list per axis.
 struct Shape {
     normal: Vec3,
     axes: [Vec<f32>; 3],
@@ -209,7 +209,7 @@ impl Shape {
     fn new(tuft: &Tuft, normal: Vec3, each: usize) -> Self {
         let mut axes = [const { Vec::new() }; 3];
         let root = tuft.curve(0)[0];
-        // The plan leaves out guides that are no curves.
+        // The plan leaves out guides without a valid spline.
         if let Ok(spline) = Spline::new(tuft.curve(0)) {
             spline.resample(each, |p| {
                 let from_root = (p - root).to_array();
@@ -222,10 +222,10 @@ impl Shape {
     fn at(&self, k: usize) -> Vec3 {
         Vec3::from(self.axes.each_ref().map(|axis| axis[k]))
     }
-    /// Adds this shape, turned and weighted by `m`, to a hair's.
+    /// Adds this shape, rotated and weighted by `m`, to a hair.
     #[inline]
     fn add_to(&self, m: &Mat3, [to_x, to_y, to_z]: &mut [Vec<f32>; 3]) {
-        // One axis after the other over equally long lists: plain loops that compilers turn into four at a time.
+        // One axis at a time over lists of equal length: plain loops that compilers vectorise.
         let n = to_x.len();
         let [x, y, z] = &self.axes;
         let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
@@ -238,28 +238,28 @@ impl Shape {
     }
 }
 
-/// So many looks the hair of one guide may take to find its way out of the skin (past an ear a hair takes some hundred), and so many
-/// more with each of its points.
+/// Patience of the hair of one guide in finding a way out of the skin, in looks (a hair beside an ear takes some hundred), and
+/// the increase with each CV.
 const LOOKS: u64 = 1000;
 const LOOKS_A_POINT: f32 = 0.25;
-/// What a ball without skin is taken to be smaller by, cm, for what is rounded.
+/// Margin by which a ball without skin is shrunk against rounding errors, cm.
 const SURE: f32 = 1e-3;
 
-/// So many balls of air are kept for each point of the hair of one guide: to look through them costs less than to ask the skin once.
+/// Number of balls without skin kept per CV of the hair of one guide: searching them costs less than one query of the skin.
 const KNOWN: usize = 24;
 
-/// A point as compilers take all of it at once; the last number is nothing.
+/// A vector padded to four lanes for vectorisation; the last lane is unused.
 type Lanes = [f32; 4];
 
 fn vector([x, y, z, _]: Lanes) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-/// Where curves of evenly spaced points are cut: all curves of as many points in the same places.
+/// Positions at which curves of evenly spaced CVs are cut: the same for all curves with as many CVs.
 struct Cut {
-    /// The first of the four points that count in each place, and how much each does.
+    /// For each position, the first of the four CVs that count, and their weights.
     places: Vec<(usize, Lanes)>,
-    /// Points of the curve that is cut, with one more at each end that continues what is there.
+    /// CVs of the curve to cut, extrapolated by one at each end.
     line: Vec<Lanes>,
 }
 
@@ -267,7 +267,7 @@ impl Cut {
     fn new(each: usize) -> Self {
         Self { places: vec![(0, [0.0; 4]); each], line: vec![[0.0; 4]; each + 2] }
     }
-    /// To the first `share` of a curve's length: Catmull-Rom through its points, its ends extrapolated.
+    /// Resamples the first `share` of a curve's length: Catmull-Rom through its CVs, ends extrapolated.
     fn shorten_to(&mut self, share: f32) {
         let last = self.places.len() - 1;
         for (k, (first, weights)) in self.places.iter_mut().enumerate() {
@@ -322,16 +322,15 @@ impl Maker<'_> {
         let depths: Vec<f32> =
             (0..each).map(|k| depth.at(0, (at_u(k) * last as f32) as usize)).collect();
         let guide_root = own.curve(0)[0];
-        // So far the guide itself keeps to the section of its root.
+        // Fraction up to which the guide itself stays in the section of its root.
         let home = self.scalp.home(guide_root);
         let at = |k: usize| guide_root + own_shape.at(k);
         let at_home = home.map_or(0, |home| (1..each).take_while(|k| home.holds(at(*k))).count());
 
-        // The last of its points over the section, however high.
+        // Index of the last CV above its section, at any height.
         let over =
             home.map_or(1, |home| (1..each).take_while(|k| home.is_under(at(*k))).count().max(1));
-        // A ball about each of its points holds no skin, and so do those about points of other hair that was asked about: what is in
-        // one need not be.
+        // Balls without skin around CVs of this and earlier hair: a point inside one needs no query.
         let mut clear = vec![(Vec3::ZERO, 0.0); each];
         let mut known: Vec<Vec<(Vec3, f32)>> = vec![vec![]; each];
         if let Some(skin) = &self.skin {
@@ -341,20 +340,20 @@ impl Maker<'_> {
             }
         }
 
-        // Grows with the hair, so that more of it changes none before it.
+        // Grows with each hair, so that more hair changes none before it.
         let patience = Patience::new(LOOKS);
         let skin = self.skin.map(|skin| skin.within(&patience));
         let guide_passes = home.is_some_and(|home| home.passes(own.curve(0)));
 
-        // Found when the first hair asks for it.
+        // Found when the first hair needs it.
         let mut ways = None;
         let mut points: Vec<Vec3> = Vec::with_capacity(read.hairs * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
         let mut cut = Cut::new(each);
-        // The hair's own way from its root, and what it is drawn to, which is the guide cut as it is.
+        // The blended hair from its root, and the guide cut to its length, to which it is drawn.
         let (mut free, mut drawn_to) = (vec![[0.0; 4]; each], vec![[0.0; 4]; each]);
         let mut asked = vec![None; each];
-        let mut grown: Vec<&Hair> = Vec::with_capacity(read.hairs);
+        let mut grown: Vec<&PlannedHair> = Vec::with_capacity(read.hairs);
         let mut ids = Vec::with_capacity(read.hairs);
         for (hair, blend) in (0..read.hairs).map(hair) {
             piece.tick()?;
@@ -372,7 +371,7 @@ impl Maker<'_> {
                 cut.cut(&own_shape.axes, &mut drawn_to);
             }
             let first = points.len();
-            // Its way to the guide, none where that is straight.
+            // Path to the guide; `None` where it is straight.
             let mut way_of = |drawn: bool| -> Option<Vec<Vec3>> {
                 let bent =
                     home.filter(|home| drawn && !home.is_straight(hair.point, guide_root))?;
@@ -414,7 +413,7 @@ impl Maker<'_> {
                             if depths[k] < 0.0 {
                                 return;
                             }
-                            // The last ones, whatever lies where.
+                            // The last ones, at any place.
                             if known[k].len() == KNOWN {
                                 known[k].remove(0);
                             }
@@ -429,7 +428,7 @@ impl Maker<'_> {
                     points[first..].windows(2).take(at_home).any(|w| home.crosses(w[0], w[1]))
                 };
                 if crosses(&points) || home.passes(&points[first..]) {
-                    // Where the guide leaves the section, so does the hair: it is with it by then.
+                    // Where the guide leaves the section, so may the hair, which has joined it by then.
                     let gathered = clump.iter().enumerate().map(|(k, clump)| {
                         let x = (k as f32 / over as f32).min(1.0);
                         clump.max(smoothstep(x))
@@ -622,7 +621,7 @@ mod tests {
     fn hair_is_spread_more_evenly_than_by_chance() {
         let hair = grow(&guides(100, |_| 4.0), &[("count", Value::Int(8000))]);
         let roots: Vec<Vec3> = hair.each().map(|(t, i)| t.curve(i)[0]).collect();
-        let tree = crate::maths::nearest::Nearest::new(roots.iter().copied());
+        let tree = crate::maths::nearest::KdTree::new(roots.iter().copied());
         // Among places thrown by chance on an area, the nearest is on average half as far as their even spacing (Clark and Evans
         // 1954), and one in 127 is nearer than a twentieth of it: 1 - exp(-pi / 400).
         let even = (498.0f32 / 8000.0).sqrt();

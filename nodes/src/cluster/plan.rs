@@ -1,4 +1,5 @@
-//! Where the hair between guides roots, and which guides each follows how much: from the guides' roots alone.
+//! The plan of an interpolation: where hair roots, which guides shape each hair, and with what weights. It depends on the guides'
+//! roots alone.
 
 use crate::data::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::curves::{Tuft, TuftBuilder};
@@ -8,97 +9,97 @@ use crate::define::{FieldInput, NodeError};
 use crate::eval::{EvalCx, Size};
 use crate::guides::even_roots::EvenRoots;
 use crate::maths::hash::{Dice, Key, KeyBuilder};
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use crate::maths::spline::{CurveFault, Spline};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-/// What the artist asks of the plan.
-pub(super) struct Asked<'a> {
-    /// Hairs in all; none: by density.
+/// Settings of a plan.
+pub(super) struct PlanParams<'a> {
+    /// Number of hairs; `None`: by density.
     pub count: Option<usize>,
-    /// Hairs a cm2.
+    /// Hairs per cm2.
     pub density: f32,
     pub mask: &'a FieldInput,
-    /// Points a hair.
+    /// CVs per hair.
     pub points: usize,
     pub neighbours: usize,
-    /// cm; 0: no limit.
+    /// Guides farther than this are ignored, cm; 0: no limit.
     pub reach: f32,
     pub seed: i64,
 }
 
-/// A hair before it has a shape.
+/// A hair without a shape.
 #[derive(Clone, Copy)]
-pub(super) struct Hair {
-    /// Number in the list of even roots.
+pub(super) struct PlannedHair {
+    /// Index in the list of even roots.
     pub index: u32,
     pub triangle: u32,
     pub bary: Vec2,
     pub uv: Vec2,
     pub point: Vec3,
     pub normal: Vec3,
-    /// Where its guides stand in the batch's weights, and how many.
+    /// Start and number of its entries in the batch's list of weights.
     weights: (u32, u32),
 }
 
-/// The hair nearest to one guide.
-pub(super) struct Group {
+/// Hair whose nearest guide is the same.
+pub(super) struct GuideHair {
     pub key: Key,
     /// Guides that shape it, its own first.
     pub guides: Vec<u32>,
-    /// Its hair, for [`Plan::hair`], in the order in which density adds it.
-    pub hairs: Vec<Place>,
+    /// Its hair, for [`Plan::hair`], in the order in which a rising density adds it.
+    pub hairs: Vec<HairIndex>,
 }
 
-/// Where a hair lies in a plan: its batch, and its number there.
-pub(super) type Place = (u32, u32);
+/// Index of a hair: its batch, and its index in the batch.
+pub(super) type HairIndex = (u32, u32);
 
-/// All hair before it has a shape, and which of it is nearest to each guide.
+/// All hair without shapes, grouped by nearest guide.
 #[derive(Default)]
 pub(super) struct Plan {
-    pub groups: Vec<Group>,
+    pub groups: Vec<GuideHair>,
     found: Vec<Found>,
     /// Scalp normal at each guide's root.
     pub normals: Vec<Vec3>,
-    /// Id of the section that each guide is rooted in; 0 where the scalp is not parted.
+    /// Id of the section that each guide is rooted in; 0 on a scalp without partings.
     pub sections: Vec<u64>,
-    /// Hairs left out because no guide stands in their section.
+    /// Hairs left out because their section has no guide.
     pub led_by_none: usize,
-    /// How many hairs were asked for by count and not found, though ten times as many places were looked at.
+    /// Number of requested hairs that were not found in ten times as many candidates.
     pub missing: usize,
 }
 
-/// About so many roots are found in one piece of work: those of one stretch of the curve that the list of even roots runs along,
-/// which lie together on the scalp.
+/// Approximate number of roots per piece of work: a stretch of the curve that orders the list of even roots, so they are close on
+/// the scalp.
 const BATCH: usize = 2048;
-/// The least that is looked through for hair that is missing.
+/// Smallest number of candidates to search for missing hair.
 const ROUND: usize = 4096;
-/// So many places are looked at before one asks whether so much hair may be made at all.
+/// Number of candidates after which the total size is checked.
 const LONG_ROUND: usize = 1 << 20;
-/// Groups are put together in about so many pieces of work.
+/// Approximate number of pieces of work in which groups are assembled.
 const PIECES: usize = 64;
-/// Where a parting stands before guides so many times as many are asked.
+/// Where partings separate guides, this many times the requested number of guides is searched.
 const BEYOND: usize = 4;
 
-/// Hair of one batch, along the curve; weights with guides' numbers, nearest first.
+/// Hair of one batch, along the curve, with guide indices and weights, nearest first.
 #[derive(Default)]
 struct Found {
-    hairs: Vec<Hair>,
+    hairs: Vec<PlannedHair>,
     weights: Vec<(u32, f32)>,
     led_by_none: usize,
 }
 
 impl Plan {
-    /// The plan for these guides (one a tuft), made or remembered.
+    /// The plan for these guides (one per tuft), from the cache or made.
     pub(super) fn of(
         cx: &EvalCx,
         guides: &[Arc<Tuft>],
         scalp: &Scalp,
-        asked: &Asked,
+        asked: &PlanParams,
     ) -> Result<Arc<Plan>, NodeError> {
-        // A guide without a shape shapes nothing. Building the spline is the test, a microsecond each.
+        // A guide without a valid spline is ignored. Building the spline is the test; it takes a microsecond.
         let faults = each_guide(cx, guides, |_, tuft| Spline::new(tuft.curve(0)).err())?;
         let root = |(tuft, fault): (&Arc<Tuft>, Option<CurveFault>)| match fault {
             None => tuft.curve(0)[0],
@@ -108,7 +109,7 @@ impl Plan {
             }
         };
         let roots: Vec<Vec3> = guides.iter().zip(faults).map(root).collect();
-        // Only what the plan reads: a change of width or clumping keeps it.
+        // The key covers only what the plan reads, so a change of width or clumping keeps the plan.
         let key = KeyBuilder::new("plan")
             .int(cx.seed)
             .key(scalp.key())
@@ -142,7 +143,7 @@ impl Plan {
         guides: &[Arc<Tuft>],
         roots: &[Vec3],
         scalp: &Scalp,
-        asked: &Asked,
+        asked: &PlanParams,
     ) -> Result<Plan, NodeError> {
         let skin = cx.skin(scalp);
         let surface = scalp.surface();
@@ -165,8 +166,8 @@ impl Plan {
         };
         let area = finder.even.area();
         let wanted = asked.count.unwrap_or_else(|| (f64::from(asked.density) * area) as usize);
-        // By density: the list is gone through once. By count: until as many are found as asked for, which a soft
-        // edge, a mask or a reach may make more than that; ten times is where one gives up.
+        // By density, one pass over the list. By count, passes until enough are found: a soft edge, a mask or a reach may reject
+        // many; the limit is ten times the count.
         let last = if asked.count.is_some() { wanted.saturating_mul(10) } else { wanted };
         let last = match asked.count {
             Some(_) => last.saturating_mul(finder.even.places_for_one() as usize),
@@ -180,7 +181,7 @@ impl Plan {
             let mut more = finder.round(cx, start as u32..(start + round) as u32)?;
             let new: usize = more.iter().map(|found| found.hairs.len()).sum();
             if new > wanted - count {
-                // The list is over before the round is.
+                // The requested number is reached within this pass.
                 let indices = more.iter().flat_map(|found| &found.hairs).map(|hair| hair.index);
                 let mut indices: Vec<u32> = indices.collect();
                 let (_, end, _) = indices.select_nth_unstable(wanted - count);
@@ -208,23 +209,23 @@ impl Plan {
         Ok(plan)
     }
 
-    /// A hair and its guides with their weights, which add up to one; the nearest first.
-    pub(super) fn hair(&self, (batch, i): Place) -> (&Hair, &[(u32, f32)]) {
+    /// A hair, its guides, nearest first, and their weights, which sum to 1.
+    pub(super) fn hair(&self, (batch, i): HairIndex) -> (&PlannedHair, &[(u32, f32)]) {
         let found = &self.found[batch as usize];
         let hair = &found.hairs[i as usize];
         let (at, count) = hair.weights;
         (hair, &found.weights[at as usize..][..count as usize])
     }
 
-    /// The hair of all batches by nearest guide.
-    fn grouped(&self, cx: &EvalCx) -> Result<Vec<Group>, NodeError> {
+    /// The hair of all batches, by nearest guide.
+    fn grouped(&self, cx: &EvalCx) -> Result<Vec<GuideHair>, NodeError> {
         let places = || {
             (0..).zip(&self.found).flat_map(|(batch, found)| {
-                let own = |hair: &Hair| found.weights[hair.weights.0 as usize].0 as usize;
+                let own = |hair: &PlannedHair| found.weights[hair.weights.0 as usize].0 as usize;
                 (0..).zip(&found.hairs).map(move |(i, hair)| (own(hair), (hair.index, (batch, i))))
             })
         };
-        // Where each guide's hair ends, and then where it begins.
+        // First the end of each guide's hair in the list, then its start.
         let mut ends = vec![0; self.normals.len()];
         places().for_each(|(guide, _)| ends[guide] += 1);
         let mut all = 0;
@@ -233,7 +234,7 @@ impl Plan {
             *end = all;
         }
         let mut begins = ends.clone();
-        let mut order: Vec<(u32, Place)> = vec![(0, (0, 0)); all];
+        let mut order: Vec<(u32, HairIndex)> = vec![(0, (0, 0)); all];
         for (guide, hair) in places() {
             begins[guide] -= 1;
             order[begins[guide]] = hair;
@@ -249,19 +250,19 @@ impl Plan {
                 let hairs = hairs.into_iter().map(|(_, place)| place).collect();
                 self.group(*guide as u32, hairs, &mut slots, &mut told)
             });
-            Ok(led.collect::<Vec<Group>>())
+            Ok(led.collect::<Vec<GuideHair>>())
         })?;
         Ok(pieces.into_iter().flatten().collect())
     }
 
-    /// One group. `slots` has [`NO_SLOT`] for each guide, before and after; `told` is memory to work in.
+    /// One group. `slots` has [`NO_SLOT`] for each guide, before and after; `told` is scratch memory.
     fn group(
         &self,
         guide: u32,
-        hairs: Vec<Place>,
+        hairs: Vec<HairIndex>,
         slots: &mut [u32],
         told: &mut Vec<u64>,
-    ) -> Group {
+    ) -> GuideHair {
         let both = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
         let mut guides = vec![guide];
         slots[guide as usize] = 0;
@@ -281,14 +282,14 @@ impl Plan {
         guides.iter().for_each(|guide| slots[*guide as usize] = NO_SLOT);
         let key = KeyBuilder::new("group").column(told);
         let key = guides.iter().fold(key, |key, g| key.vec3(self.normals[*g as usize]));
-        Group { key: key.finish(), guides, hairs }
+        GuideHair { key: key.finish(), guides, hairs }
     }
 }
 
-/// Where a guide has none in a group.
+/// For guides that have no slot in a group.
 const NO_SLOT: u32 = u32::MAX;
 
-/// What is told of each guide, asked for in pieces.
+/// Data about each guide, computed in pieces.
 fn each_guide<T: Send + Sync>(
     cx: &EvalCx,
     guides: &[Arc<Tuft>],
@@ -302,7 +303,7 @@ fn each_guide<T: Send + Sync>(
     Ok(pieces.into_iter().flatten().collect())
 }
 
-/// What `make` makes of 0 to `n`, in order.
+/// Results of `make` for 0 to `n`, in order.
 fn in_pieces<T: Send + Sync>(
     cx: &EvalCx,
     n: usize,
@@ -317,18 +318,18 @@ fn in_pieces<T: Send + Sync>(
     made.into_iter().map(|one| one.into_inner().unwrap_or(Err(NodeError::Cancelled))).collect()
 }
 
-/// Finds roots and the guides of each.
+/// Finds roots, and the guides of each.
 struct Finder<'a> {
     forest: Forest<'a>,
     even: EvenRoots<'a>,
     keep: Dice,
     roots: &'a [Vec3],
     scalp: &'a Scalp,
-    asked: &'a Asked<'a>,
+    asked: &'a PlanParams<'a>,
 }
 
 impl Finder<'_> {
-    /// The hair of a range of the list, in batches that lie along the curve one after the other.
+    /// The hair of a range of the list, in batches that are consecutive along the curve.
     fn round(&self, cx: &EvalCx, indices: Range<u32>) -> Result<Vec<Found>, NodeError> {
         let bits = (indices.len() / BATCH).max(1).ilog2();
         let mut batches: Vec<Vec<u64>> = vec![];
@@ -344,7 +345,7 @@ impl Finder<'_> {
         })
     }
 
-    /// The hair of numbers that lie along the curve.
+    /// The hair with these indices, which are close along the curve.
     fn batch(&self, indices: impl Iterator<Item = u32>) -> Result<Found, NodeError> {
         let root = |i: u32| {
             let (triangle, bary) = self.even.get(i)?;
@@ -354,7 +355,7 @@ impl Finder<'_> {
         let chance = |i| self.keep.unit(u64::from(i), 0);
         let mut rooted = masked(rooted, self.asked.mask, self.scalp, chance)?;
         let mut found = Found::default();
-        // The number of each one's tree, and how far off the next parting is.
+        // For each hair, its tree of guides and its distance from the next parting.
         let mut places = vec![(0, f32::MAX); rooted.len()];
         if let Some(cut) = self.forest.cut {
             places.clear();
@@ -385,7 +386,7 @@ impl Finder<'_> {
                 let count = found.weights.len() - at;
                 if count > 0 {
                     let (index, root) = &rooted[start + i];
-                    found.hairs.push(Hair {
+                    found.hairs.push(PlannedHair {
                         index: *index,
                         triangle: root.triangle,
                         bary: root.bary,
@@ -402,19 +403,19 @@ impl Finder<'_> {
     }
 }
 
-/// Guides by the section that they are rooted in: those of another section have no say, however near they are, nor have those
-/// beyond a parting that ends within the section.
+/// Guides by section. A hair is shaped only by guides of its own section, and not by those behind a parting that ends within the
+/// section.
 struct Forest<'a> {
     cut: Option<&'a Sections>,
-    /// One for each section (with guides), or one for a scalp that is not parted.
-    trees: Vec<Option<Nearest>>,
+    /// One per section that has guides, or one for a scalp without partings.
+    trees: Vec<Option<KdTree>>,
     ids: Vec<u64>,
 }
 
 impl<'a> Forest<'a> {
     fn new(roots: &[Vec3], scalp: &'a Scalp) -> Self {
         let Some(cut) = scalp.sections() else {
-            let trees = vec![Some(Nearest::new(roots.iter().copied()))];
+            let trees = vec![Some(KdTree::new(roots.iter().copied()))];
             return Self { cut: None, trees, ids: vec![0; roots.len()] };
         };
         let at: Vec<Option<u32>> =
@@ -425,16 +426,16 @@ impl<'a> Forest<'a> {
                 of[*section as usize].push((*p, number));
             }
         }
-        let tree = |of: Vec<(Vec3, u32)>| (!of.is_empty()).then(|| Nearest::numbered(of));
+        let tree = |of: Vec<(Vec3, u32)>| (!of.is_empty()).then(|| KdTree::numbered(of));
         let trees = of.into_iter().map(tree).collect();
         let id = |at: &Option<u32>| at.map_or(0, |at| cut.list()[at as usize].id);
         Self { cut: Some(cut), trees, ids: at.iter().map(id).collect() }
     }
-    /// Of the guides nearest to `p` those that no parting stands before, as many, nearest first; all that are near where one stands
-    /// before every one of them. The next parting is `parting` (cm) off.
+    /// The guides nearest to `p` that no parting separates from it, nearest first; all nearby ones if a parting separates every
+    /// one. `parting` is the distance to the next parting, cm.
     fn open_to(
         &self,
-        tree: &Nearest,
+        tree: &KdTree,
         p: Vec3,
         parting: f32,
         roots: &[Vec3],
@@ -457,7 +458,7 @@ impl<'a> Forest<'a> {
     }
 }
 
-/// Those of the roots that a mask keeps.
+/// The roots that the mask keeps.
 fn masked(
     roots: Vec<(u32, Root)>,
     mask: &FieldInput,
@@ -476,9 +477,9 @@ fn masked(
     Ok(kept.map(|(_, root)| root).collect())
 }
 
-/// Adds the guides of a hair with their weights, nearest first: (1/d - 1/R)^2 with R the distance of the first guide
-/// that does not count, so that a guide's weight is zero when another takes its place.
-fn weigh(near: &[(f32, u32)], asked: &Asked, blend: &mut Vec<(u32, f32)>) {
+/// Adds the guides of a hair with their weights, nearest first: (1/d - 1/R)^2, where R is the distance of the first guide that is
+/// ignored, so that a guide's weight is zero when another replaces it.
+fn weigh(near: &[(f32, u32)], asked: &PlanParams, blend: &mut Vec<(u32, f32)>) {
     let first = blend.len();
     let mut horizon = near.get(asked.neighbours).map_or(f32::MAX, |(d2, _)| d2.sqrt());
     if asked.reach > 0.0 {
@@ -486,7 +487,7 @@ fn weigh(near: &[(f32, u32)], asked: &Asked, blend: &mut Vec<(u32, f32)>) {
     }
     let mut sum = 0.0;
     for (d2, guide) in near.iter().take(asked.neighbours) {
-        // A hair on a guide's root is its copy: a thousandth of a millimetre is as near as nothing.
+        // A hair at a guide's root copies the guide: a thousandth of a millimetre counts as the same place.
         let d = d2.sqrt().max(1e-4);
         let share = (1.0 / d - 1.0 / horizon).max(0.0);
         if d >= horizon && blend.len() > first || asked.reach > 0.0 && d >= asked.reach {
@@ -498,7 +499,7 @@ fn weigh(near: &[(f32, u32)], asked: &Asked, blend: &mut Vec<(u32, f32)>) {
     if sum > 0.0 {
         blend[first..].iter_mut().for_each(|(_, weight)| *weight /= sum);
     } else if blend.len() > first {
-        // All as near as the first that does not count: the nearest alone.
+        // All are as far as the first ignored guide: the nearest alone is used.
         blend.truncate(first + 1);
         blend[first].1 = 1.0;
     }

@@ -1,15 +1,15 @@
 //! Separation: curves that are too close to each other move apart.
 //!
-//! In each pass every point moves half of what it lacks away from the nearest part of each curve around it, as they were
-//! before the pass; then each curve gets its lengths back, from the root on. So nothing depends on the order of curves, and a
-//! tuft reads only the tufts near it. The points of a tuft stand in a tree of boxes as large as their room, which every link
-//! around goes down once: what a pass costs grows with the hair, and with how many curves are too near to each, and not with
-//! how long links are beside the room.
+//! In each pass, every CV moves by half of its missing distance away from the nearest part of each nearby curve, all as they were
+//! before the pass; then each curve regains its segment lengths from the root on. So the order of curves has no effect, and a
+//! tuft reads only the tufts near it. The CVs of a tuft are kept in a tree of boxes with their room, which every segment nearby
+//! descends once: the cost of a pass grows with the amount of hair and the number of curves that are too close to each, not with
+//! the length of segments.
 //!
-//! Guarantees: roots stay; the distance between points along a curve is kept; nothing moves where curves keep their distance,
-//! with no passes or with no strength; no point ends under the skin; a curve that too many are near to is told once. Not
-//! promised: that the distance is reached where there is no room, close to roots, or in the few passes asked for, in which the
-//! middle of a thick bundle does not learn that there is room outside; that two curves do not cross between their points.
+//! Guarantees: roots stay; segment lengths are kept; nothing moves where curves keep their distance, or with no passes or no
+//! strength; no CV ends under the skin; a curve with too many neighbours is counted once. Not promised: the distance where there
+//! is no room, close to roots, or within few passes, in which the middle of a thick bundle cannot yet use the room outside; that
+//! curves do not cross between CVs.
 
 use crate::data::attributes::{Domain, ID, RADIUS, WIDTH};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -19,7 +19,7 @@ use crate::data::route::{Lengths, Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size};
-use crate::maths::box_tree::{Block, BoxTree, Rod};
+use crate::maths::box_tree::{Aabb, BoxTree, Rod};
 use crate::maths::hash::{KeyBuilder, mix};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -60,7 +60,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if inputs.strength <= 0.0 || inputs.scale <= 0.0 {
         return Ok(Outputs { curves });
     }
-    // A curve is crowded in one pass or in all, and told once.
+    // A curve may be crowded in one pass or in all; it is counted once.
     let mut crowded = BTreeSet::new();
     for _ in 0..inputs.passes {
         cx.check()?;
@@ -88,13 +88,13 @@ fn room<'a>(inputs: &'a Inputs, tuft: &'a Tuft) -> Result<Sampler<'a>, NodeError
     inputs.radius.on(tuft, inputs.scalp.as_deref())
 }
 
-/// A tuft with what every tuft near it asks of it.
+/// A tuft, and what neighbouring tufts read of it.
 struct Laid<'a> {
     tuft: &'a Tuft,
     ids: Vec<u64>,
-    /// Room around each point, cm.
+    /// Room around each CV, cm.
     rooms: Vec<f32>,
-    /// Where each curve is with its room; nothing where it has no points.
+    /// Bounds of each curve with its room; `None` without CVs.
     curves: Vec<Option<(Vec3, Vec3)>>,
 }
 
@@ -119,7 +119,7 @@ impl<'a> Laid<'a> {
         }
         Ok(Self { tuft, ids, rooms, curves })
     }
-    /// The links of a curve, whose turn it is, each with its number.
+    /// The segments of the current curve, each with its index.
     fn links(&self, curve: usize, turn: u32) -> impl Iterator<Item = (usize, Link)> {
         let (id, points) = (self.ids[curve], self.tuft.curve(curve));
         let rooms = &self.rooms[self.tuft.range(curve)];
@@ -131,18 +131,18 @@ impl<'a> Laid<'a> {
     }
 }
 
-/// A curve that comes near the points of a tuft.
+/// A curve that is near the CVs of a tuft.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Hair {
-    /// A number drawn by its id: the order of tufts does not matter, and the first curves of a crowd are any of them.
+    /// Random number by id, so that the order of tufts has no effect and the curves that count in a crowd are a random sample.
     draw: u64,
     tuft: u32,
     curve: u32,
-    /// Which of its links do, one bit each; the last bit stands for all further ones.
+    /// Which of its segments are near, one bit each; the last bit stands for all further ones.
     links: u64,
 }
 
-/// Both as one box.
+/// The union of both boxes.
 fn joined(a: Option<(Vec3, Vec3)>, b: &Option<(Vec3, Vec3)>) -> Option<(Vec3, Vec3)> {
     match (a, *b) {
         (Some((low, high)), Some((l, h))) => Some((low.min(l), high.max(h))),
@@ -150,7 +150,7 @@ fn joined(a: Option<(Vec3, Vec3)>, b: &Option<(Vec3, Vec3)>) -> Option<(Vec3, Ve
     }
 }
 
-/// Moves all curves once; those after it that are crowded, by their roots.
+/// Moves all curves once; also returns the crowded ones, by their roots.
 fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<[Curves; 2], NodeError> {
     let tufts = curves.tufts();
     let mut laid = Vec::with_capacity(tufts.len());
@@ -158,12 +158,12 @@ fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<[Curves; 2], No
         cx.check()?;
         laid.push(Laid::new(inputs, tuft)?);
     }
-    // Tufts without points are near nothing, and nothing is near them.
+    // Tufts without CVs have no neighbours.
     let (boxes, numbers): (Vec<(Vec3, Vec3)>, Vec<u32>) = (0..)
         .zip(&laid)
         .filter_map(|(n, laid)| Some((laid.curves.iter().fold(None, joined)?, n)))
         .unzip();
-    let blocks: Vec<Block> = boxes.iter().map(|(low, high)| Block::new(*low, *high)).collect();
+    let blocks: Vec<Aabb> = boxes.iter().map(|(low, high)| Aabb::new(*low, *high)).collect();
     let tree = BoxTree::new(&boxes);
     let mut near = vec![vec![]; tufts.len()];
     let mut found = vec![];
@@ -185,8 +185,8 @@ fn pass(cx: &EvalCx, inputs: &Inputs, curves: &Curves) -> Result<[Curves; 2], No
     })
 }
 
-/// The most curves that push one point. Some six have room around one at the distance asked for: among so many nothing
-/// comes apart in a few passes, and those that are looked at, a random choice of them, push where all would.
+/// Largest number of curves that push one CV. About six fit around one at the requested distance; with more, nothing separates in
+/// a few passes, and a random sample of them pushes like all.
 const MOST_NEAR: u32 = 256;
 const CROWDED: &str = "more curves are near than can be kept apart, and only some of them were: lower the radius or the scale";
 
@@ -202,15 +202,15 @@ struct Spot {
 /// What pushes a point.
 #[derive(Clone, Copy, Default)]
 struct Push {
-    /// Of all curves before the last one.
+    /// Sums over all curves before the last one.
     sum: Vec3,
-    /// The most that the distance to one of them lacks, halved.
+    /// Largest missing distance to one of them, halved.
     most: f32,
-    /// The last curve that came near, by its turn from 1 on: what the distance to its nearest part lacks, and the way.
+    /// The last curve that came near, by its turn from 1: the missing distance to its nearest part, and the direction.
     turn: u32,
     lacks: f32,
     way: Vec3,
-    /// How many came near.
+    /// Number of curves that came near.
     curves: u32,
 }
 
@@ -219,7 +219,7 @@ impl Push {
     fn is_over(&self) -> bool {
         self.curves > MOST_NEAR
     }
-    /// Part of a curve came near. The parts of one curve come one after the other; the nearest of them counts.
+    /// Adds a part of a curve. Parts of one curve are added consecutively; the nearest of them counts.
     #[inline]
     fn add(&mut self, turn: u32, lacks: f32, way: Vec3) {
         if self.turn == turn {
@@ -241,7 +241,7 @@ impl Push {
     }
 }
 
-/// What all curves around push the points of a tuft.
+/// The push on the CVs of a tuft from all curves around.
 fn pushes(
     laid: &Laid,
     around: &[&Laid],
@@ -265,11 +265,11 @@ fn pushes(
         for (i, corners) in other.curves.iter().enumerate() {
             piece.tick()?;
             let Some((low, high)) = corners else { continue };
-            let block = Block::new(*low, *high);
+            let block = Aabb::new(*low, *high);
             if !tree.any(|_, node| node.touches(&block)) {
                 continue;
             }
-            // Of other tufts most that comes so near passes by all the same; not so of the tuft itself.
+            // Most segments of other tufts that are near miss all CVs; those of the tuft itself do not.
             let links = if std::ptr::eq(*other, laid) {
                 u64::MAX
             } else {
@@ -288,12 +288,12 @@ fn pushes(
     }
     hairs.sort_unstable();
     let mut found = vec![];
-    // As they lie in the tree.
+    // In the order of the tree.
     let mut spots: Vec<Option<Spot>> = spots.into_iter().map(Some).collect();
     let spots: Vec<Spot> =
         tree.order().iter().filter_map(|number| spots[*number as usize].take()).collect();
     let mut pushed = vec![Push::default(); spots.len()];
-    // How many points under each node do not have enough yet: where all have, nothing more is looked for.
+    // Number of CVs under each node that may take more pushes: a node with none is skipped.
     let mut open = vec![0u32; tree.nodes()];
     tree.find(|_, _| true, &mut found);
     for leaf in &found {
@@ -321,7 +321,7 @@ fn pushes(
     Ok((spots, pushed))
 }
 
-/// Does something at a node of a tree and at all above it.
+/// Calls a function for a node of a tree and all its ancestors.
 fn above(mut node: usize, mut at: impl FnMut(usize)) {
     at(node);
     while node > 0 {
@@ -330,7 +330,7 @@ fn above(mut node: usize, mut at: impl FnMut(usize)) {
     }
 }
 
-/// A piece of a curve, from one point to the next, with the room at both.
+/// A segment of a curve, with the room at both ends.
 struct Link {
     id: u64,
     turn: u32,
@@ -340,11 +340,11 @@ struct Link {
 }
 
 impl Link {
-    /// What its room takes up.
+    /// Its bounds, room included.
     fn rod(&self) -> Rod {
         Rod::new(self.from, self.to, self.room.0.max(self.room.1))
     }
-    /// Pushes those points of other curves that it is near; how many of them have enough by it.
+    /// Pushes nearby CVs of other curves; returns how many of them need no more.
     #[inline]
     fn push(&self, spots: &[Spot], pushed: &mut [Push]) -> u32 {
         let way = self.to - self.from;
@@ -357,7 +357,7 @@ impl Link {
             let d2 = off.length_squared();
             if d2 < wanted * wanted && spot.id != self.id && !push.is_over() {
                 let d = d2.sqrt();
-                // Two curves at one place: each its own way, opposite ones.
+                // Two curves in one place move in opposite directions.
                 let out = if d > 1e-5 * wanted {
                     off / d
                 } else {
@@ -392,7 +392,7 @@ fn apart(
         if push.most > 1e-6 {
             let range = tuft.range(curve);
             let u = (point - range.start) as f32 / (range.len() - 1) as f32;
-            // Several neighbours may push one way: never farther than the nearest of them asks.
+            // Several neighbours may push the same way: the CV moves no farther than the nearest requires.
             let strength = inputs.strength * inputs.along.at(u).clamp(0.0, 1.0);
             points[point] = spot.at + push.sum.clamp_length_max(push.most) * strength;
             moved[curve] = true;

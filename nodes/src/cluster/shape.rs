@@ -1,49 +1,49 @@
-//! How single strands of a cluster differ from running beside it: wisps, cut ends, waves and stray hairs.
+//! How strands of a cluster deviate from parallel: wisps, random lengths, waves and strays.
 //!
-//! Guarantees: nothing is drawn by number, so more strands change none; without stray hairs a strand stays within
-//! the cluster's radius; what asks for nothing is [`None`] and costs nothing.
+//! Guarantees: random values depend on ids, so more strands change none of the others; without strays, a strand stays within the
+//! cluster's radius; settings without effect give [`None`] and cost nothing.
 
-use super::cross_sections::{Section, Sections};
+use super::cross_sections::{CrossSection, CrossSections};
 use crate::maths::hash::Dice;
 use crate::maths::low_discrepancy::disc;
 use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 
-/// Length of the waves of `jitter`, cm: as long as hair bends by itself.
+/// Wavelength of `jitter`, cm: as long as hair bends by itself.
 const WAVES: [f32; 2] = [3.1, 4.7];
 
-/// What all strands are asked for.
-pub(super) struct Shape {
+/// Settings shared by all strands.
+pub(super) struct ClusterShape {
     pub wisps: usize,
     pub root_clump: f32,
     pub tip_clump: f32,
-    /// Share of the length.
+    /// Largest shortening, as a fraction of the length.
     pub shorter: f32,
-    /// cm.
+    /// Amplitude, cm.
     pub jitter: f32,
-    /// Share of strands.
+    /// Fraction of strands.
     pub stray: f32,
-    /// cm.
+    /// Largest distance of a stray tip, cm.
     pub stray_amount: f32,
     pub dice: Dice,
 }
 
-/// What one strand is.
+/// Random values of one strand.
 pub(super) struct Strand<'a> {
-    shape: &'a Shape,
-    /// Where it is drawn to in the unit disc.
+    shape: &'a ClusterShape,
+    /// Centre it is drawn to, in the unit disc.
     middle: Vec2,
-    /// Share of the cluster's length that it has.
+    /// Fraction of the cluster's length.
     length: f32,
-    /// Steps that the cluster has.
+    /// Number of segments of the cluster.
     steps: f32,
     phase: [f32; 2],
-    /// How far it is off at its tip, cm, along the section's axes.
+    /// Offset of its tip along the axes of the cross-section, cm.
     off: Vec2,
 }
 
-impl Shape {
+impl ClusterShape {
     pub(super) fn changes_anything(&self) -> bool {
         let strays = self.stray > 0.0 && self.stray_amount > 0.0;
         strays
@@ -52,7 +52,7 @@ impl Shape {
             || self.shorter > 0.0
             || self.jitter > 0.0
     }
-    /// The middles of a cluster's wisps in the unit disc.
+    /// Centres of a cluster's wisps in the unit disc.
     pub(super) fn wisps(&self, cluster: u64) -> Vec<Vec2> {
         let shift = [self.dice.unit(cluster, 0), self.dice.unit(cluster, 1)];
         (0..self.wisps).map(|k| Vec2::from(disc(k as u32, shift))).collect()
@@ -61,7 +61,7 @@ impl Shape {
         &self,
         id: u64,
         q: Vec2,
-        sections: &Sections,
+        sections: &CrossSections,
         wisps: &[Vec2],
     ) -> Strand<'_> {
         let dice = self.dice;
@@ -74,7 +74,7 @@ impl Shape {
         } else {
             Vec2::ZERO
         };
-        // Most hairs are nearly as long as the longest; few are much shorter.
+        // Most strands are nearly as long as the longest; few are much shorter.
         let cut = dice.unit(id, 5);
         Strand {
             shape: self,
@@ -88,22 +88,22 @@ impl Shape {
 }
 
 impl Strand<'_> {
-    /// Its place at the root.
+    /// Position at the root.
     pub(super) fn root(&self, q: Vec2) -> Vec2 {
         q.lerp(self.middle, self.shape.root_clump)
     }
-    /// The section before its point number `k`.
+    /// The cross-section before its CV `k`.
     pub(super) fn before(&self, k: usize) -> usize {
         (k as f32 * self.length) as usize
     }
-    /// Its point number `k`, before the skin is asked.
+    /// Its CV `k`, before it is pushed out of the skin.
     #[inline]
     pub(super) fn point(
         &self,
         k: usize,
-        sections: &Sections,
+        sections: &CrossSections,
         root: Vec3,
-        walked: impl Fn(&Section) -> Vec2,
+        walked: impl Fn(&CrossSection) -> Vec2,
     ) -> Vec3 {
         let x = k as f32 * self.length;
         let first = (x as usize).min(sections.at.len() - 1);
@@ -118,9 +118,9 @@ impl Strand<'_> {
     fn at(
         &self,
         k: usize,
-        sections: &Sections,
+        sections: &CrossSections,
         root: Vec3,
-        walked: &impl Fn(&Section) -> Vec2,
+        walked: &impl Fn(&CrossSection) -> Vec2,
     ) -> Vec3 {
         if k == 0 {
             return root;

@@ -5,7 +5,7 @@
 //! that enclose no area are dropped and counted.
 
 use crate::data::curves::Curves;
-use crate::data::shapes::{Section, ShapeList, Tier};
+use crate::data::shapes::{ShapeList, Tier, TurnProfile};
 use crate::eval::EvalCx;
 use crate::maths::spline::Spline;
 use glam::{Vec2, Vec3};
@@ -32,7 +32,7 @@ pub(crate) fn with_drawn(cx: &EvalCx, shapes: &ShapeList, drawn: &Curves, tier: 
 }
 
 /// The flat, closed profile of a curve in space.
-fn section(points: &[Vec3]) -> Option<Section> {
+fn section(points: &[Vec3]) -> Option<TurnProfile> {
     let closed = points.len() > 3 && points[0].distance(points[points.len() - 1]) < 1e-4;
     let open = if closed { &points[..points.len() - 1] } else { points };
     let mut points = open.to_vec();
@@ -58,7 +58,7 @@ fn section(points: &[Vec3]) -> Option<Section> {
     let y = normal.cross(x);
     let scale = 1.0 / size.sqrt();
     let flat = |p: &Vec3| Vec2::new((*p - middle).dot(x), (*p - middle).dot(y)) * scale;
-    Some(Section::Custom(points.iter().map(flat).collect()))
+    Some(TurnProfile::Custom(points.iter().map(flat).collect()))
 }
 
 #[cfg(test)]
@@ -74,7 +74,7 @@ mod tests {
                 at + x * cos * 2.0 + y * sin
             };
             let points: Vec<Vec3> = (0..24 + usize::from(closed)).map(point).collect();
-            let Some(Section::Custom(flat)) = section(&points) else { panic!("{at} {x} {y}") };
+            let Some(TurnProfile::Custom(flat)) = section(&points) else { panic!("{at} {x} {y}") };
             assert_eq!(flat.len(), 24);
             let rms = (flat.iter().map(|p| p.length_squared()).sum::<f32>() / 24.0).sqrt();
             assert!((rms - 1.0).abs() < 1e-4, "{rms}");

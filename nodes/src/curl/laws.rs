@@ -1,18 +1,18 @@
 //! The laws of curls (methods.md 4), asserted on what the node gives: form, length, points, sizes, the last as `laws` reads them. Tests only; those of turns
 //! are in `turn_laws.rs`.
 
-use super::pattern::{Detail, Even, Pattern};
+use super::pattern::{Detail, Pattern, TurnFactors};
 use super::profile::entries;
 use super::shape_list_curl::NODE;
 use crate::data::attributes::{CURL_DIAMETER, Domain, ID, PARENT};
 use crate::data::curves::{Curves, TuftBuilder};
-use crate::data::shapes::{Section, ShapeList, Tier};
+use crate::data::shapes::{ShapeList, Tier, TurnProfile};
 use crate::define::Value;
 use crate::eval::PlainHost;
 use crate::laws::curls::{self, Curls};
-use crate::laws::{Hair, strands};
+use crate::laws::{MeasuredHair, strands};
 use crate::maths::hash::Dice;
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use crate::testing::{curves_of, run};
 use glam::{Vec2, Vec3};
 
@@ -51,7 +51,7 @@ pub(super) fn curled(source: &Curves, preset: &str, set: &[(&str, Value)]) -> Ve
 }
 
 /// One profile, nothing random, nothing blended.
-pub(super) fn pure(section: Section) -> Vec<(&'static str, Value)> {
+pub(super) fn pure(section: TurnProfile) -> Vec<(&'static str, Value)> {
     let zero =
         ["z_bends", "switchbacks", "skipped", "spread", "amplitude_range", "frequency_range"];
     let more = ["phase_range", "offset_range", "blend"];
@@ -68,7 +68,7 @@ pub(super) fn pure(section: Section) -> Vec<(&'static str, Value)> {
 
 /// The same with some values replaced.
 pub(super) fn pure_but(
-    section: Section,
+    section: TurnProfile,
     but: &[(&'static str, Value)],
 ) -> Vec<(&'static str, Value)> {
     let replaced = |name: &str| but.iter().any(|(other, _)| *other == name);
@@ -96,7 +96,7 @@ pub(super) fn wound(source: &Curves, preset: &str, set: &[(&str, Value)]) -> (Cu
 #[test]
 fn a_circle_at_full_uniformity_is_the_exact_helix() {
     let set = [
-        &pure(Section::Circle)[..],
+        &pure(TurnProfile::Circle)[..],
         &[("diameter", Value::Float(1.0)), ("pitch", Value::Float(2.0))],
     ]
     .concat();
@@ -117,14 +117,14 @@ fn a_circle_at_full_uniformity_is_the_exact_helix() {
 #[test]
 fn the_rms_radius_is_half_the_diameter_whatever_the_shape() {
     let sections = [
-        Section::Circle,
-        Section::Ellipse(0.3),
-        Section::Lame(0.7),
-        Section::Lame(4.0),
-        Section::Polygon(3),
-        Section::Polygon(5),
-        Section::Rose { petals: 3, depth: 0.6 },
-        Section::Rose { petals: 5, depth: 0.3 },
+        TurnProfile::Circle,
+        TurnProfile::Ellipse(0.3),
+        TurnProfile::Lame(0.7),
+        TurnProfile::Lame(4.0),
+        TurnProfile::Polygon(3),
+        TurnProfile::Polygon(5),
+        TurnProfile::Rose { petals: 3, depth: 0.6 },
+        TurnProfile::Rose { petals: 5, depth: 0.3 },
     ];
     for section in sections {
         let shown = format!("{section:?}");
@@ -140,7 +140,7 @@ fn the_rms_radius_is_half_the_diameter_whatever_the_shape() {
         let mut last: Option<Vec3> = None;
         for span in 0..spline.span_count() {
             for k in 0..4 {
-                let p = spline.point(Place { span, t: k as f32 / 4.0 });
+                let p = spline.point(SplineParam { span, t: k as f32 / 4.0 });
                 // Fifty whole turns of the full-size part.
                 if (0.5..1.5).contains(&p.y) {
                     if let Some(last) = last {
@@ -216,7 +216,7 @@ fn a_wave_wider_than_its_sources_bends_goes_on_past_the_source_until_its_length_
                 ("roll", Value::Float(roll)),
                 ("points_per_turn", Value::Float(24.0)),
             ];
-            let set = [&pure(Section::Ellipse(0.1))[..], &more].concat();
+            let set = [&pure(TurnProfile::Ellipse(0.1))[..], &more].concat();
             Spline::new(&curled(&one(&wavy), "custom", &set)).unwrap().length()
         };
         shorter += usize::from(length("span") < 0.97 * source);
@@ -327,10 +327,10 @@ fn the_root_stays_and_a_size_of_nothing_changes_nothing() {
 #[test]
 fn the_primary_shape_has_its_share_of_a_hundred_thousand_turns() {
     let list = ShapeList(vec![
-        (Tier::A, Section::Circle),
-        (Tier::B, Section::Ellipse(0.7)),
-        (Tier::B, Section::Polygon(4)),
-        (Tier::C, Section::Rose { petals: 5, depth: 0.3 }),
+        (Tier::A, TurnProfile::Circle),
+        (Tier::B, TurnProfile::Ellipse(0.7)),
+        (Tier::B, TurnProfile::Polygon(4)),
+        (Tier::C, TurnProfile::Rose { petals: 5, depth: 0.3 }),
     ]);
     for (uniformity, b_to_c) in [(0.0, 4.0), (0.1, 4.0), (0.5, 1.0), (0.8, 9.0), (1.0, 2.0)] {
         let dice = Dice::new(1, 2, "turn");
@@ -352,7 +352,7 @@ fn the_primary_shape_has_its_share_of_a_hundred_thousand_turns() {
             sponge: 0.0,
             detail: Detail::PerTurn(12.0),
             most: 255,
-            even: Even::default(),
+            even: TurnFactors::default(),
             turn_dice: dice,
             curl_dice: dice,
         };
@@ -373,9 +373,9 @@ fn the_primary_shape_has_its_share_of_a_hundred_thousand_turns() {
 #[test]
 fn the_tangent_turns_half_as_much_in_half_a_step() {
     let shapes = ShapeList(vec![
-        (Tier::A, Section::Circle),
-        (Tier::B, Section::Ellipse(0.5)),
-        (Tier::C, Section::Polygon(5)),
+        (Tier::A, TurnProfile::Circle),
+        (Tier::B, TurnProfile::Ellipse(0.5)),
+        (Tier::C, TurnProfile::Polygon(5)),
     ]);
     let set = |per_turn: f32| {
         vec![
@@ -414,8 +414,8 @@ fn points_are_even_and_as_many_as_the_tolerance_asks_for_and_no_more_than_allowe
                 {
                     let points = curled(&bent(id), preset, &[("length", keep.into()), set.clone()]);
                     assert!(points.len() <= 255, "{preset} {id}: {}", points.len());
-                    let uneven =
-                        strands::measure(&Hair::of(&one(&points), &PlainHost)).spacing_ratio;
+                    let uneven = strands::measure(&MeasuredHair::of(&one(&points), &PlainHost))
+                        .spacing_ratio;
                     all += 1;
                     even += usize::from(uneven <= 1.2);
                     assert!(uneven <= 1.4, "{preset} {id} {keep} {set:?}: {uneven}");
@@ -429,7 +429,7 @@ fn points_are_even_and_as_many_as_the_tolerance_asks_for_and_no_more_than_allowe
 /// What is measured of curls, none of which may be passed over.
 #[track_caller]
 fn measured(curves: &Curves) -> Curls {
-    let found = curls::measure(&Hair::of(curves, &PlainHost)).unwrap();
+    let found = curls::measure(&MeasuredHair::of(curves, &PlainHost)).unwrap();
     assert_eq!(found.measured, curves.curve_count());
     found
 }
@@ -451,7 +451,7 @@ fn evaluated_hairs_measure_what_was_asked_of_them() {
             assert!((shrunk - (1.0 - span / fibre)).abs() < 0.05, "{preset}: {shrunk}");
         }
         let found = measured(&curves);
-        let [wide, far, _] = found.are_as_asked(within);
+        let [wide, far, _] = found.are_as_requested(within);
         assert!(wide && far, "{preset} {length} {set:?}: {found:?}");
     };
     let float = |name, x| [(name, Value::Float(x))];
@@ -562,7 +562,7 @@ fn hair_is_as_long_as_asked_when_it_hangs_and_when_it_is_drawn_straight() {
 #[test]
 fn a_spongy_root_curls_smaller_and_closer_and_no_more_beyond_it() {
     let make = |sponge: f32| {
-        let mut set = pure(Section::Circle);
+        let mut set = pure(TurnProfile::Circle);
         set.push(("sponge", Value::Float(sponge)));
         curled(&straight(16), "custom", &set)
     };

@@ -4,7 +4,7 @@
 //! after [`Pattern::evened`] have the requested mean size and pitch: exactly if they differ little, by fits to
 //! measurements if they differ much. Not promised: the requested size of any single turn.
 
-use super::profile::{ENTRIES, Shape};
+use super::profile::{ENTRIES, ProfileCurve};
 use crate::maths::hash::{Dice, mix};
 use crate::maths::smoothstep;
 use crate::maths::transcendental::sin_cos_turns;
@@ -14,7 +14,7 @@ use glam::Vec2;
 #[derive(Debug)]
 pub(crate) struct Pattern {
     /// The list's profiles, and the zigzag of Z-bends last.
-    pub(crate) shapes: Vec<Shape>,
+    pub(crate) shapes: Vec<ProfileCurve>,
     /// The largest distance of any of them from its centre.
     pub(crate) widest: f32,
     /// Index of the profile of each entry of the shape list.
@@ -42,7 +42,7 @@ pub(crate) struct Pattern {
     /// The most CVs on a curl.
     pub(crate) most: usize,
     /// The result of [`Self::evened`].
-    pub(crate) even: Even,
+    pub(crate) even: TurnFactors,
     pub(crate) turn_dice: Dice,
     pub(crate) curl_dice: Dice,
 }
@@ -73,7 +73,7 @@ pub(crate) struct Turn {
 
 /// Values drawn once per curl.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Start {
+pub(super) struct CurlVariation {
     pub(super) hand: f32,
     pub(super) phase: f32,
     pub(super) size: f32,
@@ -104,16 +104,16 @@ const PLANES: u64 = 1 << 41;
 
 /// Factors between the requested values and those that turns are drawn with.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Even {
+pub(crate) struct TurnFactors {
     pub(super) size: f32,
     pub(super) pitch: f32,
     /// Mean size of all turns, including skipped ones, as a fraction of the requested size.
-    pub(super) told: f32,
+    pub(super) mean_size: f32,
 }
 
-impl Default for Even {
+impl Default for TurnFactors {
     fn default() -> Self {
-        Self { size: 1.0, pitch: 1.0, told: 1.0 }
+        Self { size: 1.0, pitch: 1.0, mean_size: 1.0 }
     }
 }
 
@@ -185,10 +185,10 @@ impl Pattern {
             + HALF_SKIPPED * skipped * (1.0 - skipped);
         let fourth = |x: f32| x * x * x * x;
         let swings = 1.0 + SWINGS * fourth(back) * (1.0 - fourth(self.blend));
-        let even = Even {
+        let even = TurnFactors {
             size: (1.0 + SMALL[0] * fourth(size)) / square.sqrt(),
             pitch: gone * swings / (longer * passed),
-            told: (1.0 - skipped * (1.0 - SKIPPED * SKIPPED)).sqrt(),
+            mean_size: (1.0 - skipped * (1.0 - SKIPPED * SKIPPED)).sqrt(),
         };
         Self { even, ..self }
     }
@@ -198,11 +198,11 @@ impl Pattern {
         self.most.max(4)
     }
 
-    pub(super) fn start(&self, key: u64) -> Start {
+    pub(super) fn start(&self, key: u64) -> CurlVariation {
         // Symmetric in scale: twice as large as often as half as large.
         let factor = |x: f32| (1.0 + 0.34 * self.spread * x) / (1.0 - 0.34 * self.spread * x);
         let signed = |index| self.curl_dice.signed(key, index);
-        Start {
+        CurlVariation {
             hand: self.hand.unwrap_or(if signed(0) < 0.0 { 1.0 } else { -1.0 }),
             phase: self.phase_range * 0.5 * signed(1),
             size: factor(signed(2)),

@@ -4,12 +4,12 @@
 //! use; they describe wavy, curly and coily hair and imply no ranking.
 
 use super::shape_list_curl::Preset;
-use crate::data::shapes::{Section, ShapeList, Tier};
-use Section::{Circle, Ellipse, Lame, Polygon, Rose};
+use crate::data::shapes::{ShapeList, Tier, TurnProfile};
+use TurnProfile::{Circle, Ellipse, Lame, Polygon, Rose};
 
 /// Everything that a preset fills in.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Numbers {
+pub(crate) struct PresetValues {
     pub(crate) shapes: ShapeList,
     /// Fraction of turns with a profile of tier A, 0 to 1.
     pub(crate) uniformity: f32,
@@ -41,13 +41,13 @@ pub(crate) struct Numbers {
 
 impl Preset {
     /// The preset's values.
-    pub(crate) fn numbers(self) -> Numbers {
+    pub(crate) fn numbers(self) -> PresetValues {
         // Half-height over RMS radius of a flat wave is the square root of 2.
         let wave = |half_height: f32| 2.0 * half_height * std::f32::consts::FRAC_1_SQRT_2;
         let rose = |petals, depth| Rose { petals, depth };
         let (a, b, c) = (Tier::A, Tier::B, Tier::C);
-        let list = |shapes: &[(Tier, Section)]| ShapeList(shapes.to_vec());
-        let plain = Numbers {
+        let list = |shapes: &[(Tier, TurnProfile)]| ShapeList(shapes.to_vec());
+        let plain = PresetValues {
             shapes: list(&[(a, Circle)]),
             uniformity: 1.0,
             b_to_c: 4.0,
@@ -63,7 +63,7 @@ impl Preset {
             rise: 1.5,
             spread: 0.2,
         };
-        let wavy = |half_height, pitch, ratio, uniformity, definition| Numbers {
+        let wavy = |half_height, pitch, ratio, uniformity, definition| PresetValues {
             shapes: list(&[(a, Ellipse(ratio)), (b, Circle), (c, Lame(3.0))]),
             b_to_c: 9.0,
             diameter: wave(half_height),
@@ -75,7 +75,7 @@ impl Preset {
             ranges: [0.25, 0.15, 0.04, 0.1],
             ..plain.clone()
         };
-        let curly = |diameter, pitch, uniformity, definition| Numbers {
+        let curly = |diameter, pitch, uniformity, definition| PresetValues {
             shapes: list(&[(a, Circle), (b, Ellipse(0.7)), (c, Lame(3.0))]),
             diameter,
             pitch,
@@ -86,7 +86,7 @@ impl Preset {
             ranges: [0.12, 0.1, 0.03, 0.08],
             ..plain.clone()
         };
-        let coily = |diameter, pitch, uniformity, definition| Numbers {
+        let coily = |diameter, pitch, uniformity, definition| PresetValues {
             shapes: list(&[(a, Polygon(3)), (a, Polygon(4)), (a, Polygon(5)), (b, Circle)]),
             b_to_c: 2.0,
             diameter,
@@ -103,7 +103,7 @@ impl Preset {
             Preset::Type2c => wavy(0.8, 4.0, 0.25, 0.8, 0.85),
             Preset::Type3a => curly(2.5, 6.0, 0.85, 0.93),
             Preset::Type3b => curly(1.5, 3.0, 0.8, 0.92),
-            Preset::Type3c => Numbers {
+            Preset::Type3c => PresetValues {
                 shapes: list(&[
                     (a, Circle),
                     (a, Ellipse(0.7)),
@@ -118,7 +118,7 @@ impl Preset {
                 ..curly(0.8, 1.4, 0.75, 0.88)
             },
             Preset::Type4a => {
-                let mut numbers = Numbers {
+                let mut numbers = PresetValues {
                     rounding: 0.35,
                     ranges: [0.15, 0.12, 0.04, 0.15],
                     switchbacks: 0.04,
@@ -127,7 +127,7 @@ impl Preset {
                 numbers.shapes.0.push((c, rose(3, 0.3)));
                 numbers
             }
-            Preset::Type4b => Numbers {
+            Preset::Type4b => PresetValues {
                 shapes: list(&[
                     (a, Lame(0.7)),
                     (b, Polygon(3)),
@@ -142,7 +142,7 @@ impl Preset {
                 ranges: [0.25, 0.2, 0.05, 0.25],
                 ..coily(0.4, 0.45, 0.75, 0.5)
             },
-            Preset::Type4c => Numbers {
+            Preset::Type4c => PresetValues {
                 shapes: list(&[
                     (a, Polygon(5)),
                     (b, Polygon(3)),

@@ -9,7 +9,7 @@
 //! runs back and forth at constant speed, a zigzag whose crests turn within a hundredth of the period; by angle, it is
 //! the sine wave of wavy hair.
 
-use crate::data::shapes::{Section, ShapeList, Tier};
+use crate::data::shapes::{ShapeList, Tier, TurnProfile};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{exp, pow, sin_cos_turns};
 use glam::{Vec2, Vec3};
@@ -25,7 +25,7 @@ const FINE: usize = 1024;
 
 /// A closed curve of unit RMS radius by arc length.
 #[derive(Clone, Debug)]
-pub(crate) struct Shape {
+pub(crate) struct ProfileCurve {
     /// Point and velocity (per entry) at each entry; the first is repeated at the end.
     table: Vec<(Vec2, Vec2)>,
     /// Length of the outline.
@@ -36,7 +36,7 @@ pub(crate) struct Shape {
     pub(crate) widest: f32,
 }
 
-impl Shape {
+impl ProfileCurve {
     /// The point at `theta` turns, any finite number, and its derivative by `theta`. C1.
     #[inline(always)]
     pub(crate) fn at(&self, theta: f32) -> (Vec2, Vec2) {
@@ -70,15 +70,15 @@ impl Shape {
     }
 
     /// The table of a profile.
-    pub(crate) fn of(section: &Section, rounding: f32) -> Self {
+    pub(crate) fn of(section: &TurnProfile, rounding: f32) -> Self {
         match section {
-            Section::Circle => Self::ellipse(1.0),
-            Section::Ellipse(ratio) => Self::ellipse(*ratio),
-            Section::Lame(e) => Self::polar(rounding, |turns| {
+            TurnProfile::Circle => Self::ellipse(1.0),
+            TurnProfile::Ellipse(ratio) => Self::ellipse(*ratio),
+            TurnProfile::Lame(e) => Self::polar(rounding, |turns| {
                 let (sin, cos) = sin_cos_turns(turns);
                 pow(pow(cos.abs(), *e) + pow(sin.abs(), *e), -1.0 / *e)
             }),
-            Section::Polygon(n) => {
+            TurnProfile::Polygon(n) => {
                 let n = *n as f32;
                 let apothem = sin_cos_turns(0.5 / n).1;
                 Self::polar(rounding, |turns| {
@@ -86,11 +86,11 @@ impl Shape {
                     apothem / sin_cos_turns(within).1
                 })
             }
-            Section::Rose { petals, depth } => {
+            TurnProfile::Rose { petals, depth } => {
                 let petals = *petals as f32;
                 Self::polar(rounding, |turns| 1.0 + depth * sin_cos_turns(turns * petals).1)
             }
-            Section::Custom(points) => {
+            TurnProfile::Custom(points) => {
                 // Three more points at each end close the spline.
                 let n = points.len();
                 let around = |i: usize| points[i % n].extend(0.0);
@@ -322,14 +322,15 @@ pub(crate) fn entries(shapes: &ShapeList, uniformity: f32, b_to_c: f32) -> Vec<u
 mod tests {
     use super::*;
 
-    pub(super) fn all() -> Vec<Section> {
-        let mut all = vec![Section::Circle, Section::Ellipse(0.05), Section::Ellipse(0.7)];
-        all.extend([0.3, 0.7, 1.0, 2.0, 4.0, 20.0].map(Section::Lame));
-        all.extend([3, 4, 5, 12].map(Section::Polygon));
+    pub(super) fn all() -> Vec<TurnProfile> {
+        let mut all =
+            vec![TurnProfile::Circle, TurnProfile::Ellipse(0.05), TurnProfile::Ellipse(0.7)];
+        all.extend([0.3, 0.7, 1.0, 2.0, 4.0, 20.0].map(TurnProfile::Lame));
+        all.extend([3, 4, 5, 12].map(TurnProfile::Polygon));
         let roses = [(2, 0.95), (3, 0.5), (5, 0.2), (12, 0.95), (4, 0.0)];
-        all.extend(roses.map(|(petals, depth)| Section::Rose { petals, depth }));
+        all.extend(roses.map(|(petals, depth)| TurnProfile::Rose { petals, depth }));
         let drawn = [(1.0, 0.0), (0.2, 0.3), (0.0, 1.0), (-1.0, 0.2), (-0.3, -1.0)];
-        all.push(Section::Custom(drawn.map(|(x, y)| Vec2::new(x, y)).to_vec()));
+        all.push(TurnProfile::Custom(drawn.map(|(x, y)| Vec2::new(x, y)).to_vec()));
         all
     }
 
@@ -337,7 +338,7 @@ mod tests {
     fn every_section_has_unit_radius_runs_by_arc_length_and_has_no_tight_corner() {
         for section in all() {
             for rounding in [0.05, 0.2] {
-                let shape = Shape::of(&section, rounding);
+                let shape = ProfileCurve::of(&section, rounding);
                 let n = 4096;
                 let at = |k: usize| shape.at(k as f32 / n as f32).0;
                 let points: Vec<Vec2> = (0..n).map(at).collect();
@@ -346,7 +347,7 @@ mod tests {
                 assert!(shape.at(0.0).0.y.abs() < 2e-3 && shape.at(0.0).0.x > 0.0, "{what}");
                 assert!(shape.at(0.02).0.y > 0.0, "{what}");
                 assert!(shape.at(3.25).0.distance(shape.at(0.25).0) < 1e-5, "{what}");
-                if matches!(section, Section::Ellipse(_)) {
+                if matches!(section, TurnProfile::Ellipse(_)) {
                     continue;
                 }
                 let even = shape.perimeter / n as f32;
@@ -362,8 +363,9 @@ mod tests {
 
     #[test]
     fn the_list_has_each_tiers_share_and_every_shape() {
-        let list =
-            |tiers: &[Tier]| ShapeList(tiers.iter().map(|tier| (*tier, Section::Circle)).collect());
+        let list = |tiers: &[Tier]| {
+            ShapeList(tiers.iter().map(|tier| (*tier, TurnProfile::Circle)).collect())
+        };
         let check = |tiers: &[Tier], u: f32, ratio: f32, want: &[usize]| {
             let entries = entries(&list(tiers), u, ratio);
             assert_eq!(entries.len(), ENTRIES);

@@ -12,9 +12,9 @@ mod foreseen;
 
 use self::foreseen::foreseen;
 use super::drawn::with_drawn;
-use super::pattern::{Detail, Even, Pattern};
-use super::preset::Numbers;
-use super::profile::{Shape, entries};
+use super::pattern::{Detail, Pattern, TurnFactors};
+use super::preset::PresetValues;
+use super::profile::{ProfileCurve, entries};
 use super::winding::{Goal, Sizes, Winder, arc_length};
 use crate::data::attribute_transfer::between;
 use crate::data::attributes::{
@@ -22,7 +22,7 @@ use crate::data::attributes::{
     SHRINKAGE,
 };
 use crate::data::curves::MOST_A_CURVE;
-use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::rest_evenly;
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
@@ -260,9 +260,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let key = numbers.shapes.add_to(KeyBuilder::new("sections")).float(numbers.rounding).finish();
     let shapes = cx.memo(key, || {
-        let of = |(_, section): &(_, _)| Shape::of(section, numbers.rounding);
-        let mut shapes: Vec<Shape> = numbers.shapes.0.iter().map(of).collect();
-        shapes.push(Shape::zigzag(numbers.rounding));
+        let of = |(_, section): &(_, _)| ProfileCurve::of(section, numbers.rounding);
+        let mut shapes: Vec<ProfileCurve> = numbers.shapes.0.iter().map(of).collect();
+        shapes.push(ProfileCurve::zigzag(numbers.rounding));
         let bytes = shapes.len() * 8300;
         (shapes, bytes)
     });
@@ -282,7 +282,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 
 impl Inputs {
     /// The preset with the set values in place, and a description of them.
-    fn numbers(&self) -> (Numbers, String) {
+    fn numbers(&self) -> (PresetValues, String) {
         let mut numbers = self.preset.numbers();
         let mut edited = vec![];
         if let Some(shapes) = &self.shapes {
@@ -331,7 +331,7 @@ impl Inputs {
         (numbers, format!("preset {}{edits}", self.preset.word()))
     }
 
-    fn pattern(&self, cx: &EvalCx, numbers: &Numbers, shapes: Vec<Shape>) -> Pattern {
+    fn pattern(&self, cx: &EvalCx, numbers: &PresetValues, shapes: Vec<ProfileCurve>) -> Pattern {
         let alternating = self.hand == Hand::Alternating;
         Pattern {
             widest: shapes.iter().fold(0.0, |most, shape| shape.widest.max(most)),
@@ -359,7 +359,7 @@ impl Inputs {
                 (Points::Auto, None) | (Points::Tolerance, _) => Detail::Tolerance(self.tolerance),
             },
             most: self.most_points as usize,
-            even: Even::default(),
+            even: TurnFactors::default(),
             turn_dice: cx.dice(self.seed, "turn"),
             curl_dice: cx.dice(self.seed, "curl"),
         }
@@ -387,7 +387,7 @@ const LARGER: &str = "larger";
 fn curl(
     tuft: &Tuft,
     inputs: &Inputs,
-    numbers: &Numbers,
+    numbers: &PresetValues,
     pattern: &Pattern,
     skin: Option<&Skin>,
     piece: &mut Piece,
@@ -400,7 +400,8 @@ fn curl(
     let turned = inputs.roll.on(tuft, scalp)?;
     let (parent, normal, depth) = (tuft.view(PARENT), tuft.view(NORMAL), tuft.view(ALLOW_DEPTH));
     let (fibre, rolls) = (tuft.view(FIBRE), tuft.view(ROLL));
-    let level = inputs.roll.constant() == Some(0.0) && matches!(rolls, View::Shared(x) if x == 0.0);
+    let level = inputs.roll.constant() == Some(0.0)
+        && matches!(rolls, AttributeView::Shared(x) if x == 0.0);
     let by_points = tuft.attributes().iter().any(|a| a.domain == Domain::Point);
 
     let mut out = TuftBuilder::new();
@@ -532,8 +533,8 @@ fn curl(
         let length = arc_length(&winder.points);
         fibres.push(length);
         shrinkages.push((1.0 - winder.span / length).max(0.0));
-        diameters.push(winder.asked.diameter);
-        pitches.push(winder.asked.pitch);
+        diameters.push(winder.params.diameter);
+        pitches.push(winder.params.pitch);
         if by_points {
             // What lies past the source reads the source's end.
             let end = points.len() as u32 - 1;

@@ -7,7 +7,7 @@
 use super::laws::{curled, hairs, lock, one, pure, pure_but, straight, wound};
 use crate::data::attributes::{CURL_DIAMETER, CURL_PITCH, Domain, ID};
 use crate::data::curves::{Curves, TuftBuilder};
-use crate::data::shapes::Section;
+use crate::data::shapes::TurnProfile;
 use crate::define::Value;
 use crate::maths::spline::Spline;
 use glam::{Vec2, Vec3};
@@ -121,7 +121,7 @@ fn hairs_that_are_merely_coarser_are_counted_and_no_others() {
 #[test]
 fn turns_that_are_not_skipped_keep_their_size_and_the_mean_is_told() {
     let widest = |skipped: f32| {
-        let set = pure_but(Section::Circle, &[("skipped", Value::Float(skipped))]);
+        let set = pure_but(TurnProfile::Circle, &[("skipped", Value::Float(skipped))]);
         // Without blending, each turn has its own size.
         let (curves, _) = wound(&hairs(60, 14.0), "custom", &set);
         let tuft = &curves.tufts()[0];
@@ -163,7 +163,7 @@ fn left_is_a_left_handed_screw_and_right_a_right_handed_one() {
 
 #[test]
 fn alternating_turns_go_against_each_other_and_bring_a_hair_nowhere_round() {
-    let set = |hand: &'static str| pure_but(Section::Circle, &[("hand", hand.into())]);
+    let set = |hand: &'static str| pure_but(TurnProfile::Circle, &[("hand", hand.into())]);
     let round = |hand: &'static str| {
         turns(wound(&hairs(1, 14.0), "custom", &set(hand)).0.tufts()[0].curve(0)).abs()
     };
@@ -200,7 +200,7 @@ fn a_ramp_on_amount_is_the_curls_size_along_the_hair() {
     use crate::data::ramp::Ramp;
     let ramp = Value::from(Ramp::linear(1.0, 0.2));
     let set = [
-        &pure(Section::Circle)[..],
+        &pure(TurnProfile::Circle)[..],
         &[("amount", ramp), ("pitch", Value::Float(0.5)), ("most_points", Value::Int(4000))],
     ];
     let points = curled(&straight(20), "custom", &set.concat());
@@ -229,7 +229,7 @@ fn z_bends_and_switchbacks_have_their_share_of_turns() {
     // A zigzag in its plane winds about no axis; a coil winds in one direction or in both.
     let round = |z_bends: f32, switchbacks: f32| {
         let set = pure_but(
-            Section::Circle,
+            TurnProfile::Circle,
             &[
                 ("z_bends", Value::Float(z_bends)),
                 ("switchbacks", Value::Float(switchbacks)),
@@ -281,9 +281,9 @@ fn a_drawn_shape_takes_the_place_of_its_tier() {
     };
     let with = |drawn: Value, tier: &'static str| {
         let more = [("shape_curves", drawn), ("drawn_tier", tier.into())];
-        curled(&straight(20), "custom", &[&pure(Section::Circle)[..], &more].concat())
+        curled(&straight(20), "custom", &[&pure(TurnProfile::Circle)[..], &more].concat())
     };
-    let plain = curled(&straight(20), "custom", &pure(Section::Circle));
+    let plain = curled(&straight(20), "custom", &pure(TurnProfile::Circle));
     let least = |points: &[Vec3]| {
         let inner = points.iter().filter(|p| (4.0..18.0).contains(&p.y));
         inner.map(|p| Vec2::new(p.x, p.z).length()).fold(f32::MAX, f32::min)

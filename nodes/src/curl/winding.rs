@@ -18,7 +18,7 @@
 //! steps would approach the size of the turns and skip some, the whole curl is drawn larger, so that the result has the
 //! requested form. Its size is then not the requested one; the caller learns by how much it is larger.
 
-use super::pattern::{Detail, Pattern, Start, Turn};
+use super::pattern::{CurlVariation, Detail, Pattern, Turn};
 use crate::data::attributes::CURL_MIDDLE;
 use crate::maths::rail::Rail;
 use crate::maths::smoothstep;
@@ -67,7 +67,7 @@ pub(crate) struct Sizes<D, P, A> {
 impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
     /// The requested values of a curl with this start: RMS diameter over its middle part, and pitch by number of turns,
     /// where they vary along the hair.
-    fn asked(&self, start: Start) -> Asked {
+    fn params(&self, start: CurlVariation) -> CurlParams {
         let (mut square, mut turns) = (0.0, 0.0);
         let [from, to] = CURL_MIDDLE;
         for k in 0..8 {
@@ -77,7 +77,10 @@ impl<D: Fn(f32) -> f32, P: Fn(f32) -> f32, A: Fn(f32) -> f32> Sizes<D, P, A> {
             square += diameter * diameter;
             turns += 1.0 / (self.pitch)(u).max(1e-6);
         }
-        Asked { diameter: (square / 8.0).sqrt() * start.size, pitch: 8.0 / turns * start.pitch }
+        CurlParams {
+            diameter: (square / 8.0).sqrt() * start.size,
+            pitch: 8.0 / turns * start.pitch,
+        }
     }
 }
 
@@ -125,14 +128,14 @@ impl Mark {
 
 /// Requested values of one curl, including the variation over the head.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Asked {
+pub(crate) struct CurlParams {
     /// cm.
     pub(crate) diameter: f32,
     /// cm.
     pub(crate) pitch: f32,
 }
 
-impl Asked {
+impl CurlParams {
     fn larger(self, factor: f32) -> Self {
         Self { diameter: self.diameter * factor, pitch: self.pitch * factor }
     }
@@ -168,7 +171,7 @@ pub(crate) struct Winder {
     amounts: Vec<f32>,
     amount: f32,
     /// Requested values of the last drawn curl.
-    pub(crate) asked: Asked,
+    pub(crate) params: CurlParams,
     /// Straight length at the root of this curl, cm, if it exceeds the pattern's.
     pub(crate) held: f32,
     /// How much larger than requested the curl is, in diameter and pitch; it never decreases by itself.
@@ -260,9 +263,9 @@ impl Winder {
         self.laid.clear();
         let least_pitch = length / MOST_TURNS;
         let even = pattern.even;
-        self.asked = sizes.asked(start);
-        let full = self.asked.larger(self.larger);
-        self.asked.diameter *= even.told;
+        self.params = sizes.params(start);
+        let full = self.params.larger(self.larger);
+        self.params.diameter *= even.mean_size;
         // From here on, everything drawn is larger; the requested values stay.
         (start.size, start.pitch) = (start.size * self.larger, start.pitch * self.larger);
         self.set_amounts(sizes);
@@ -808,7 +811,7 @@ struct Spacing {
 }
 
 impl Spacing {
-    fn new(pattern: &Pattern, asked: Asked) -> Self {
+    fn new(pattern: &Pattern, asked: CurlParams) -> Self {
         let around = pattern.shapes[0].perimeter * 0.5 * asked.diameter;
         let turn = (asked.pitch * asked.pitch + around * around).sqrt();
         Self { detail: pattern.detail, turn: turn.max(1e-6) }

@@ -54,7 +54,7 @@ pub struct Carry {
 
 /// What there is to report about a map.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Told {
+pub struct MapReport {
     /// Landmarks that both heads have and the map uses.
     pub met: Vec<Landmark>,
     /// Landmarks left out because they coincide with another one.
@@ -66,8 +66,8 @@ pub struct Told {
 impl Carry {
     /// The map that takes the landmarks of `home` to those of `here`; `None` if both are equal or have none in common,
     /// or if no part of the map is sound. Also what there is to report.
-    pub fn between(home: &Landmarks, here: &Landmarks) -> (Option<Self>, Told) {
-        let mut told = Told::default();
+    pub fn between(home: &Landmarks, here: &Landmarks) -> (Option<Self>, MapReport) {
+        let mut told = MapReport::default();
         if home.same(here) {
             return (None, told);
         }
@@ -373,7 +373,7 @@ mod tests {
     #[test]
     fn the_same_landmarks_are_no_map() {
         let (map, told) = Carry::between(&usual(), &usual());
-        assert!(map.is_none() && told == Told::default());
+        assert!(map.is_none() && told == MapReport::default());
         let (read, _) = Landmarks::parse(&usual().to_string());
         assert!(Carry::between(&read, &usual()).0.is_none());
         assert!(Carry::between(&Landmarks::default(), &usual()).0.is_none());

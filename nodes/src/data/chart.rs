@@ -32,20 +32,20 @@ const TOO_WIDE: f32 = 0.7;
 
 /// The map of one scalp.
 pub struct Chart {
-    spread: Spread,
+    spread: ChartProjection,
     /// The skin under the centre of each cell, row by row from the nape.
     spots: Vec<Spot>,
 }
 
 /// The projection of directions.
 #[derive(Clone, Copy, Debug)]
-pub struct Spread {
+pub struct ChartProjection {
     origin: Vec3,
     /// Right and top (the forehead) of the map, and its normal.
     axes: [Vec3; 3],
 }
 
-impl Spread {
+impl ChartProjection {
     /// Position of a point on the map.
     #[inline]
     pub fn flat(&self, p: Vec3) -> Vec2 {
@@ -97,7 +97,7 @@ impl Chart {
         let (sin, cos) = LEAN;
         let axis = frame.up * cos - frame.forward * sin;
         let top = frame.forward * cos + frame.up * sin;
-        let spread = Spread { origin: frame.origin, axes: [frame.right, top, axis] };
+        let spread = ChartProjection { origin: frame.origin, axes: [frame.right, top, axis] };
         let mut chart = Self { spread, spots: vec![] };
         chart.spots = (0..CELLS * CELLS)
             .map(|i| {
@@ -164,7 +164,7 @@ impl Chart {
         self.spread.origin
     }
     /// The projection of directions.
-    pub fn spread(&self) -> Spread {
+    pub fn spread(&self) -> ChartProjection {
         self.spread
     }
     /// Position of a point on the map.

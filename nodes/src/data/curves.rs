@@ -33,7 +33,7 @@ pub struct Tuft {
 
 /// Values of one attribute in a tuft, in any domain, with the declared default as fallback.
 #[derive(Clone, Copy, Debug)]
-pub enum View<'a, T> {
+pub enum AttributeView<'a, T> {
     /// One value for all.
     Shared(T),
     /// One value per curve.
@@ -42,14 +42,14 @@ pub enum View<'a, T> {
     Point(&'a [T]),
 }
 
-impl<T: Copy> View<'_, T> {
+impl<T: Copy> AttributeView<'_, T> {
     /// The value at point `point` of the tuft, which belongs to curve `curve`.
     #[inline]
     pub fn at(&self, curve: usize, point: usize) -> T {
         match self {
-            View::Shared(value) => *value,
-            View::Curve(values) => values[curve],
-            View::Point(values) => values[point],
+            AttributeView::Shared(value) => *value,
+            AttributeView::Curve(values) => values[curve],
+            AttributeView::Point(values) => values[point],
         }
     }
 }
@@ -95,17 +95,17 @@ impl Tuft {
         Some(&self.attributes[at])
     }
     /// The values of a declared attribute, or its default if the tuft has none (or one of another type).
-    pub fn view<T: Item>(&self, declared: Declared<T>) -> View<'_, T> {
-        self.view_named(declared.name).unwrap_or(View::Shared(declared.default))
+    pub fn view<T: Item>(&self, declared: Declared<T>) -> AttributeView<'_, T> {
+        self.view_named(declared.name).unwrap_or(AttributeView::Shared(declared.default))
     }
     /// The values of any named attribute, if it has this type.
-    pub fn view_named<T: Item>(&self, name: &str) -> Option<View<'_, T>> {
+    pub fn view_named<T: Item>(&self, name: &str) -> Option<AttributeView<'_, T>> {
         let attribute = self.attribute(name)?;
         let values = T::values(&attribute.values)?;
         Some(match (attribute.domain, &values[..]) {
-            (_, [one]) => View::Shared(*one),
-            (Domain::Curve, all) => View::Curve(all),
-            (Domain::Point, all) => View::Point(all),
+            (_, [one]) => AttributeView::Shared(*one),
+            (Domain::Curve, all) => AttributeView::Curve(all),
+            (Domain::Point, all) => AttributeView::Point(all),
         })
     }
     /// The stable id of curve `i`.

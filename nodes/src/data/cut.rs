@@ -34,7 +34,7 @@ const RAGGED: usize = 8;
 
 /// A segment of a parting, on the map and on the scalp.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct PartingSegment {
     pub(super) flat: [Vec2; 2],
     pub(super) ends: [Vec3; 2],
     /// Direction off the scalp.
@@ -48,7 +48,7 @@ pub(super) struct Piece {
 
 /// The segments of all partings, indexed by cell.
 pub(super) struct Lines {
-    pub(super) pieces: Vec<Piece>,
+    pub(super) pieces: Vec<PartingSegment>,
     /// Start of each cell's segments in `listed`: those in the cell and in the cells around it.
     starts: Vec<u32>,
     listed: Vec<u32>,
@@ -78,7 +78,7 @@ pub(crate) fn off_the_scalp(scalp: &Scalp, line: &[Vec3]) -> Vec<Vec3> {
     (0..line.len()).map(mean).collect()
 }
 
-impl Piece {
+impl PartingSegment {
     /// Whether the straight segment between two points crosses this piece, or comes as near to the plane between its
     /// sides as the fraction `near` of half its width.
     fn is_passed(&self, from: Vec3, to: Vec3, near: f32) -> bool {
@@ -111,7 +111,7 @@ impl Lines {
                 let flat = ends.map(|p| spread.flat(p));
                 let up = (ups[k] + ups[k + 1]).normalize_or_zero();
                 let (along, half_width) = ((k as f32 + 0.5) / last, line.half_width);
-                pieces.push(Piece { flat, ends, up, half_width, parting, along });
+                pieces.push(PartingSegment { flat, ends, up, half_width, parting, along });
             }
         }
         let mut starts = vec![0u32; CELLS * CELLS + 1];
@@ -195,7 +195,7 @@ impl Lines {
     }
 
     /// The segments that lie between the centres of two neighbours.
-    fn between(&self, a: usize, b: usize) -> impl Iterator<Item = &Piece> {
+    fn between(&self, a: usize, b: usize) -> impl Iterator<Item = &PartingSegment> {
         let (p, q) = (middle(a), middle(b));
         let pieces = self.near_cell(a).iter().map(|i| &self.pieces[*i as usize]);
         pieces.filter(move |piece| cross(p, q, piece.flat[0], piece.flat[1]))
@@ -257,8 +257,8 @@ impl Lines {
     /// Digests of these lines and of the sections with these ids, for each part of the map and of space: everything
     /// that queries of a cell, with its neighbours, and of a place can find.
     pub(super) fn digests(&self, labels: &[u32], ids: impl Fn(u32) -> u64, widest: f32) -> Digests {
-        let piece = |piece: &Piece| {
-            let Piece { flat, ends, up, half_width, .. } = piece;
+        let piece = |piece: &PartingSegment| {
+            let PartingSegment { flat, ends, up, half_width, .. } = piece;
             let key = KeyBuilder::new("piece").float(*half_width).vec3(*up);
             let key = ends.iter().fold(key, |key, end| key.vec3(*end));
             flat.iter().fold(key, |key, q| key.float(q.x).float(q.y)).finish()
@@ -292,7 +292,7 @@ impl Lines {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.pieces.len() * size_of::<Piece>()
+        self.pieces.len() * size_of::<PartingSegment>()
             + 4 * (self.starts.len() + self.listed.len() + self.nearest.len() + self.clear.len())
             + self.places.bytes()
     }
@@ -500,7 +500,7 @@ fn parting_something(
     lines: Lines,
     labels: &[u32],
 ) -> (Vec<Parting>, Lines) {
-    let parts = |piece: &Piece| {
+    let parts = |piece: &PartingSegment| {
         let [a, b] = piece.flat;
         let (middle, aside) = ((a + b) * 0.5, (b - a).perp().normalize_or_zero() * CELL);
         // Where two lines coincide, nothing is between them.

@@ -6,7 +6,7 @@
 //! Guarantees: the value at a point follows the lines, not an average over the corners of its triangle, however large
 //! the triangle. Not promised: which of several crossing or self-crossing lines is a hole.
 
-use super::outline::{Net, Outline, for_middles};
+use super::outline::{ConnectedSurface, Outline, for_middles};
 use crate::maths::closest::Surface;
 use crate::maths::hash::{Key, KeyBuilder};
 use crate::maths::soft_edge;
@@ -14,7 +14,7 @@ use glam::Vec2;
 use std::sync::Arc;
 
 /// A drawn region of one surface.
-pub(crate) struct Drawn {
+pub(crate) struct DrawnRegion {
     /// Lines, and whether each is the edge of a hole; holes come after the line that contains them.
     lines: Vec<(Arc<Outline>, bool)>,
     /// Width of the edge, cm.
@@ -29,10 +29,10 @@ pub(crate) struct Drawn {
     area: f32,
 }
 
-impl Drawn {
+impl DrawnRegion {
     /// The region inside `lines`, each with whether it is the edge of a hole.
     pub(crate) fn new(
-        net: &Net,
+        net: &ConnectedSurface,
         mut lines: Vec<(Arc<Outline>, bool)>,
         softness: f32,
         may: Arc<[f32]>,

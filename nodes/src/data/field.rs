@@ -1,7 +1,7 @@
 //! A number that may vary over the hair: constant, ramp, attribute, mask, painted mask, texture, or a product of these.
 
 use super::attributes::{ALONG, Declared, ROOT_BARY, ROOT_TRIANGLE};
-use super::curves::{Tuft, View};
+use super::curves::{AttributeView, Tuft};
 use super::painted::Painted;
 use super::ramp::Ramp;
 use super::scalp::{Root, Scalp};
@@ -44,7 +44,7 @@ pub enum FieldFault {
         /// The existing names.
         known: String,
     },
-    /// Nothing says where the roots are.
+    /// A mask needs the scalp, and none is wired.
     #[error("mask {0:?} needs the scalp wired to this node")]
     NoScalp(String),
 }
@@ -92,7 +92,7 @@ impl Field {
 
     fn part<'a>(&'a self, tuft: &'a Tuft, scalp: Option<&Scalp>) -> Result<Part<'a>, FieldFault> {
         Ok(match self {
-            Field::Constant(x) => Part::View(View::Shared(*x)),
+            Field::Constant(x) => Part::View(AttributeView::Shared(*x)),
             Field::Ramp(ramp) => Part::Ramp(ramp),
             Field::Attribute(name) => {
                 if let Some(view) = tuft.view_named::<f32>(name) {
@@ -102,7 +102,7 @@ impl Field {
                 } else if name == ALONG.name {
                     Part::Along
                 } else if let Some(default) = declared_number(name) {
-                    Part::View(View::Shared(default))
+                    Part::View(AttributeView::Shared(default))
                 } else {
                     return Err(FieldFault::NoAttribute(name.clone()));
                 }
@@ -190,7 +190,7 @@ impl Field {
         }
     }
 
-    /// Adds the field's definition to a key.
+    /// Adds the field to a key.
     pub fn add_to(&self, key: KeyBuilder) -> KeyBuilder {
         match self {
             Field::Constant(x) => key.text("constant").float(*x),
@@ -205,7 +205,7 @@ impl Field {
         }
     }
 
-    /// Whether every number in it is finite.
+    /// Whether all of its numbers are finite.
     pub fn is_finite(&self) -> bool {
         match self {
             Field::Constant(x) => x.is_finite(),
@@ -215,8 +215,8 @@ impl Field {
     }
 }
 
-/// Whether a number comes of a length that is in centimetres already: an attribute that is declared as one, or a product with it.
-/// Others, such as the girth of a row, are shares of what is typed.
+/// Whether the value is a length in centimetres already: an attribute declared in cm, or a product with one. Others, such as the
+/// girth of a row, are factors of the typed number.
 fn is_in_cm(field: &Field) -> bool {
     match field {
         Field::Attribute(name) => super::attributes::is_length(name),
@@ -236,8 +236,8 @@ fn declared_number(name: &str) -> Option<f32> {
 struct Places<'a> {
     tuft: &'a Tuft,
     own: &'a Scalp,
-    triangle: View<'a, i32>,
-    bary: View<'a, Vec2>,
+    triangle: AttributeView<'a, i32>,
+    bary: AttributeView<'a, Vec2>,
     /// Number of the head's triangles that roots may refer to.
     known: usize,
 }
@@ -270,14 +270,14 @@ impl<'a> Places<'a> {
 pub struct Sampler<'a> {
     part: Part<'a>,
     range: (f32, f32),
-    /// Factor of what comes out.
+    /// Factor of the value.
     unit: f32,
 }
 
 #[derive(Debug)]
 enum Part<'a> {
-    View(View<'a, f32>),
-    Whole(View<'a, i32>),
+    View(AttributeView<'a, f32>),
+    Whole(AttributeView<'a, i32>),
     Ramp(&'a Ramp),
     Along,
     Roots(Vec<f32>),
@@ -287,8 +287,8 @@ enum Part<'a> {
 impl Part<'_> {
     fn is_of_curves(&self) -> bool {
         match self {
-            Part::View(view) => !matches!(view, View::Point(_)),
-            Part::Whole(view) => !matches!(view, View::Point(_)),
+            Part::View(view) => !matches!(view, AttributeView::Point(_)),
+            Part::Whole(view) => !matches!(view, AttributeView::Point(_)),
             Part::Ramp(_) | Part::Along => false,
             Part::Roots(_) => true,
             Part::Product(parts) => parts.iter().all(Part::is_of_curves),
@@ -311,7 +311,7 @@ impl Sampler<'_> {
     /// NaN (an attribute can hold anything) reads as the low end of the range.
     #[inline]
     pub fn at(&self, curve: usize, point: usize, u: f32) -> f32 {
-        if let Part::View(View::Shared(x)) = self.part {
+        if let Part::View(AttributeView::Shared(x)) = self.part {
             return x.max(self.range.0).min(self.range.1) * self.unit;
         }
         self.part.at(curve, point, u).max(self.range.0).min(self.range.1) * self.unit

@@ -28,7 +28,7 @@ pub struct PenSample {
 
 /// View in which a gesture was drawn, in the head frame and head units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct GestureView {
     /// Position of the eye.
     pub eye: Vec3,
     /// Point the eye looks at; not the eye itself.
@@ -153,7 +153,7 @@ pub struct Gesture {
     /// How deep it reaches.
     pub layer: Layer,
     /// The view it was drawn in.
-    pub view: View,
+    pub view: GestureView,
     /// At least one.
     pub samples: Vec<PenSample>,
     /// Ids of the curves it acts on; for a scatter, the curve it copies. Empty: whatever lies under the pen at each
@@ -215,7 +215,7 @@ const FARTHEST: f32 = 1e5;
 /// The most curves that one gesture may name.
 const MOST_CURVES: usize = 100_000;
 
-impl View {
+impl GestureView {
     /// Why the view is unusable; `None` if it is usable.
     pub fn fault(&self) -> Option<&'static str> {
         let near = |v: Vec3| v.is_finite() && v.abs().max_element() <= FARTHEST;
@@ -276,8 +276,12 @@ impl Gesture {
             samples.iter_mut().for_each(|s| s.time = end - s.time);
         }
         let view = &self.view;
-        let view =
-            View { eye: flip(view.eye), target: flip(view.target), up: flip(view.up), ..*view };
+        let view = GestureView {
+            eye: flip(view.eye),
+            target: flip(view.target),
+            up: flip(view.up),
+            ..*view
+        };
         Self { view, samples, curves: vec![], root: None, path: vec![], ..self.clone() }
     }
 
@@ -412,7 +416,7 @@ pub(crate) mod tests {
             id,
             tool,
             layer: Layer::Through,
-            view: View {
+            view: GestureView {
                 eye: Vec3::Z * 60.0,
                 target: Vec3::ZERO,
                 up: Vec3::Y,

@@ -3,7 +3,7 @@
 //! Guarantees: the same messages for drawn regions and painted masks. Not promised: useful results for lines that do
 //! not fit.
 
-use super::outline::{Net, Outline};
+use super::outline::{ConnectedSurface, Outline};
 use super::scalp::HeadSpace;
 use glam::Vec3;
 
@@ -15,16 +15,21 @@ const OPEN: f32 = 0.2;
 pub(crate) const LEAST_POINTS: usize = 3;
 
 /// A closed stroke on the skin.
-pub(crate) struct Laid {
+pub(crate) struct ClosedStroke {
     /// What it encloses.
     pub(crate) outline: Outline,
     /// What does not fit, each worded to follow the stroke's name.
     pub(crate) faults: Vec<String>,
 }
 
-impl Laid {
+impl ClosedStroke {
     /// Closes the line through points (cm) near the skin. Distances to it are known up to `reach`, cm.
-    pub(crate) fn new(net: &Net, space: &HeadSpace, points: &[Vec3], reach: f32) -> Self {
+    pub(crate) fn new(
+        net: &ConnectedSurface,
+        space: &HeadSpace,
+        points: &[Vec3],
+        reach: f32,
+    ) -> Self {
         let at = |p: Vec3| place(space, p);
         let mut faults = vec![];
         if let (true, [from, .., to]) = (gap(points) > OPEN, points) {

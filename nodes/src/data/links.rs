@@ -42,7 +42,7 @@ impl Links {
                 }
             }
         }
-        let mut joined = Joined::new(surface.points.len());
+        let mut joined = UnionFind::new(surface.points.len());
         let mut tree = vec![];
         for (t, corners) in (0u32..).zip(&surface.triangles) {
             if !surface.is_gone(t) {
@@ -110,9 +110,9 @@ fn hung(pieces: &[u32], tree: &[(u32, u32)]) -> (Vec<u32>, Vec<[u32; 2]>) {
 }
 
 /// A union-find structure over vertices.
-pub(super) struct Joined(Vec<u32>);
+pub(super) struct UnionFind(Vec<u32>);
 
-impl Joined {
+impl UnionFind {
     pub(super) fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }

@@ -7,12 +7,12 @@
 //! Not promised: patterns, and hair that is led within its section; both need the map.
 
 use super::chart::cross;
-use super::links::{Joined, edge};
-use super::outline::{Line, Piece, for_middles, in_triangle, within};
+use super::links::{UnionFind, edge};
+use super::outline::{SurfaceLine, SurfaceSegment, for_middles, in_triangle, within};
 use super::scalp::Scalp;
 use super::sections::{NONE, Parting, Section, ids};
 use crate::maths::closest::Surface;
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ const SHARES: u32 = 16;
 pub(super) struct MeshCut {
     scalp: Arc<Scalp>,
     /// The lines, by triangle.
-    pieces: Vec<Piece>,
+    pieces: Vec<SurfaceSegment>,
     /// Index of each vertex's section, or [`NONE`].
     labels: Vec<u32>,
 }
@@ -39,10 +39,11 @@ impl MeshCut {
         partings: &[Parting],
     ) -> (Self, Vec<Section>, usize, Option<String>) {
         let (surface, net) = (scalp.surface(), scalp.net());
-        let lines: Vec<Line> = partings.iter().map(|line| net.line(&line.points, false)).collect();
+        let lines: Vec<SurfaceLine> =
+            partings.iter().map(|line| net.line(&line.points, false)).collect();
         let crossed: BTreeSet<(u32, u32)> =
             lines.iter().flat_map(|line| line.crossed.iter().copied()).collect();
-        let mut joined = Joined::new(surface.points.len());
+        let mut joined = UnionFind::new(surface.points.len());
         for (t, corners) in (0u32..).zip(&surface.triangles) {
             for side in (0..3).map(|k| edge(corners, k)) {
                 if !surface.is_gone(t) && !crossed.contains(&side) {
@@ -54,7 +55,7 @@ impl MeshCut {
         let touched = net.touched(lines.iter().flat_map(|line| &line.pieces));
         let beside: Vec<u32> =
             (0..surface.points.len() as u32).filter(|v| touched.contains(&net.piece(*v))).collect();
-        let near = Nearest::new(beside.iter().map(|v| surface.points[*v as usize]));
+        let near = KdTree::new(beside.iter().map(|v| surface.points[*v as usize]));
         let mut known: BTreeMap<u32, u32> = BTreeMap::new();
         let mut found = vec![];
         let mut label = |v: u32| {
@@ -68,10 +69,11 @@ impl MeshCut {
             })
         };
         let labels = (0..surface.points.len() as u32).map(&mut label).collect();
-        let of = |(number, line): (usize, &Line)| {
+        let of = |(number, line): (usize, &SurfaceLine)| {
             line.pieces.iter().map(move |piece| (number, *piece)).collect::<Vec<_>>()
         };
-        let mut pieces: Vec<(usize, Piece)> = lines.iter().enumerate().flat_map(of).collect();
+        let mut pieces: Vec<(usize, SurfaceSegment)> =
+            lines.iter().enumerate().flat_map(of).collect();
         pieces.sort_by_key(|(_, piece)| piece.triangle);
         let owners: Vec<usize> = pieces.iter().map(|(number, _)| *number).collect();
         let pieces = pieces.into_iter().map(|(_, piece)| piece).collect();
@@ -174,6 +176,6 @@ impl MeshCut {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.pieces.len() * size_of::<Piece>() + 4 * self.labels.len()
+        self.pieces.len() * size_of::<SurfaceSegment>() + 4 * self.labels.len()
     }
 }

@@ -25,14 +25,14 @@ const TOO_LONG: f32 = 3.0;
 const LOOKS: usize = 100_000;
 
 /// A surface and its connectivity.
-pub(crate) struct Net<'a> {
+pub(crate) struct ConnectedSurface<'a> {
     surface: &'a Surface,
     links: Arc<Links>,
 }
 
 /// A straight segment of a line, inside one triangle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct SurfaceSegment {
     pub(crate) triangle: u32,
     /// Weights of the second and third corner at both ends.
     pub(crate) bary: [Vec2; 2],
@@ -41,9 +41,9 @@ pub(crate) struct Piece {
 
 /// A line on the skin.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Line {
+pub(crate) struct SurfaceLine {
     /// Segments in order along the line.
-    pub(crate) pieces: Vec<Piece>,
+    pub(crate) pieces: Vec<SurfaceSegment>,
     /// Crossed edges, each listed once per crossing.
     pub(crate) crossed: Vec<(u32, u32)>,
     /// The point farthest from the skin, and its distance, cm.
@@ -52,7 +52,7 @@ pub(crate) struct Line {
     pub(crate) gaps: Vec<[Vec3; 2]>,
 }
 
-impl<'a> Net<'a> {
+impl<'a> ConnectedSurface<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Self {
         Self::of(surface, Arc::new(Links::new(surface)))
     }
@@ -74,8 +74,12 @@ impl<'a> Net<'a> {
         self.links.pieces[vertex as usize]
     }
     /// The pieces of the mesh that a line crosses.
-    pub(super) fn touched<'p>(&self, line: impl IntoIterator<Item = &'p Piece>) -> BTreeSet<u32> {
-        let of = |piece: &Piece| self.piece(self.surface.triangles[piece.triangle as usize][0]);
+    pub(super) fn touched<'p>(
+        &self,
+        line: impl IntoIterator<Item = &'p SurfaceSegment>,
+    ) -> BTreeSet<u32> {
+        let of =
+            |piece: &SurfaceSegment| self.piece(self.surface.triangles[piece.triangle as usize][0]);
         line.into_iter().map(of).collect()
     }
     /// The triangles across the sides of a triangle.
@@ -98,8 +102,8 @@ impl<'a> Net<'a> {
 
     /// The line through points near the skin, closed or open. It stays on one piece of the mesh, the one that most
     /// points are on.
-    pub(crate) fn line(&self, points: &[Vec3], closed: bool) -> Line {
-        let mut line = Line::default();
+    pub(crate) fn line(&self, points: &[Vec3], closed: bool) -> SurfaceLine {
+        let mut line = SurfaceLine::default();
         let hits: Vec<Option<Hit>> = points.iter().map(|p| self.surface.closest(*p)).collect();
         let piece = |hit: &Hit| self.piece(self.surface.triangles[hit.triangle as usize][0]);
         let mut votes: BTreeMap<u32, usize> = BTreeMap::new();
@@ -157,8 +161,8 @@ impl<'a> Net<'a> {
     }
 
     /// The straight path over the skin.
-    fn straight(&self, from: &Hit, to: &Hit) -> Option<(Vec<Piece>, Vec<(u32, u32)>)> {
-        let piece = |triangle, bary: [Vec2; 2]| Piece {
+    fn straight(&self, from: &Hit, to: &Hit) -> Option<(Vec<SurfaceSegment>, Vec<(u32, u32)>)> {
+        let piece = |triangle, bary: [Vec2; 2]| SurfaceSegment {
             triangle,
             bary,
             ends: bary.map(|bary| self.surface.at(triangle, bary)),
@@ -221,7 +225,7 @@ impl<'a> Net<'a> {
     }
 
     /// A short path over the triangles, through the midpoints of their sides.
-    fn round(&self, from: &Hit, to: &Hit) -> Option<(Vec<Piece>, Vec<(u32, u32)>)> {
+    fn round(&self, from: &Hit, to: &Hit) -> Option<(Vec<SurfaceSegment>, Vec<(u32, u32)>)> {
         let middle = |t: u32| self.surface.at(t, Vec2::splat(1.0 / 3.0));
         // Non-negative floats sort like their bits.
         let mut best = BTreeMap::from([(from.triangle, (0.0f32, NONE, 0usize))]);
@@ -253,7 +257,7 @@ impl<'a> Net<'a> {
         let (mut pieces, mut crossed, mut bary) = (vec![], vec![], from.bary);
         let mut push = |triangle, bary: [Vec2; 2]| {
             let ends = bary.map(|bary| self.surface.at(triangle, bary));
-            pieces.push(Piece { triangle, bary, ends });
+            pieces.push(SurfaceSegment { triangle, bary, ends });
         };
         for (triangle, k, next) in steps.into_iter().rev() {
             let out = on_side(k, 0.5);
@@ -274,7 +278,7 @@ pub(super) fn within(bary: Vec2, least: f32) -> Vec2 {
 }
 
 /// The segments in one triangle; `pieces` must be sorted by triangle.
-pub(super) fn in_triangle(pieces: &[Piece], triangle: u32) -> &[Piece] {
+pub(super) fn in_triangle(pieces: &[SurfaceSegment], triangle: u32) -> &[SurfaceSegment] {
     let from = pieces.partition_point(|piece| piece.triangle < triangle);
     let count = pieces[from..].partition_point(|piece| piece.triangle == triangle);
     &pieces[from..from + count]
@@ -303,7 +307,7 @@ fn carried(surface: &Surface, from: u32, bary: Vec2, to: u32) -> Vec2 {
 /// A closed line and its inside.
 pub(crate) struct Outline {
     /// Its segments, sorted by triangle.
-    pieces: Vec<Piece>,
+    pieces: Vec<SurfaceSegment>,
     /// Whether each vertex is inside.
     inside: Vec<bool>,
     /// Area of skin inside, cm2.
@@ -322,7 +326,7 @@ const SHARES: u32 = 24;
 
 impl Outline {
     /// What a closed line encloses: the smaller of its two sides. Distances to it are known up to `reach`, cm.
-    pub(crate) fn new(net: &Net, line: &Line, reach: f32) -> Self {
+    pub(crate) fn new(net: &ConnectedSurface, line: &SurfaceLine, reach: f32) -> Self {
         let mut crossed = line.crossed.clone();
         crossed.sort_unstable();
         let touched = net.touched(&line.pieces);
@@ -335,7 +339,7 @@ impl Outline {
         let mut pieces = line.pieces.clone();
         pieces.sort_by_key(|piece| piece.triangle);
         let torn = !line.gaps.is_empty() || !net.is_parted(&odd, &inside);
-        let length = |piece: &Piece| piece.ends[0].distance(piece.ends[1]);
+        let length = |piece: &SurfaceSegment| piece.ends[0].distance(piece.ends[1]);
         let side = pieces.iter().map(length).fold(reach, f32::max);
         let near = BTreeMap::new();
         let mut outline = Self { pieces, inside, area: 0.0, torn, near, side, reach };
@@ -364,7 +368,7 @@ impl Outline {
     }
 
     /// Area on both sides of the line, of the pieces that it lies on, cm2.
-    fn areas(&self, net: &Net, touched: &BTreeSet<u32>) -> [f32; 2] {
+    fn areas(&self, net: &ConnectedSurface, touched: &BTreeSet<u32>) -> [f32; 2] {
         let surface = net.surface;
         let mut areas = [0.0f64; 2];
         let mut cut = self.pieces.chunk_by(|a, b| a.triangle == b.triangle).peekable();
@@ -388,7 +392,7 @@ impl Outline {
     }
 
     /// The segments of the line in a triangle.
-    fn of(&self, triangle: u32) -> &[Piece] {
+    fn of(&self, triangle: u32) -> &[SurfaceSegment] {
         in_triangle(&self.pieces, triangle)
     }
 
@@ -401,7 +405,7 @@ impl Outline {
         self.area
     }
     /// Swaps inside and outside.
-    pub(crate) fn turn(&mut self, net: &Net) {
+    pub(crate) fn turn(&mut self, net: &ConnectedSurface) {
         let touched = net.touched(&self.pieces);
         for (inside, piece) in self.inside.iter_mut().zip(&net.links.pieces) {
             *inside = touched.contains(piece) && !*inside;
@@ -409,7 +413,7 @@ impl Outline {
         self.area = self.areas(net, &touched)[1];
     }
     /// Its segments, sorted by triangle.
-    pub(crate) fn pieces(&self) -> &[Piece] {
+    pub(crate) fn pieces(&self) -> &[SurfaceSegment] {
         &self.pieces
     }
     /// Whether a vertex is inside.
@@ -438,13 +442,13 @@ impl Outline {
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let near: usize = self.near.values().map(|list| 4 * list.len() + 48).sum();
-        self.pieces.len() * size_of::<Piece>() + self.inside.len() + near
+        self.pieces.len() * size_of::<SurfaceSegment>() + self.inside.len() + near
     }
 }
 
 /// Whether a point of a triangle is on another side of the line than its first corner, judged by the segments in the
 /// triangle.
-fn is_beyond(pieces: &[Piece], bary: Vec2) -> bool {
+fn is_beyond(pieces: &[SurfaceSegment], bary: Vec2) -> bool {
     // Segments end on the sides of their triangle: a point on a side counts as just inside it.
     let to = within(bary, 0.01 * OFF);
     let passed = pieces
@@ -492,7 +496,7 @@ mod tests {
     #[test]
     fn points_have_the_side_that_they_are_on_and_the_smaller_side_is_inside() {
         let ball = sphere(9.0, 20);
-        let net = Net::new(&ball);
+        let net = ConnectedSurface::new(&ball);
         for (pole, height) in
             [(Vec3::Y, 0.7), (Vec3::new(0.3, -0.9, 0.2).normalize(), 0.9), (Vec3::X, 0.1)]
         {
@@ -526,7 +530,7 @@ mod tests {
     #[test]
     fn a_line_in_one_triangle_has_an_inside_and_one_off_the_mesh_says_where() {
         let ball = sphere(9.0, 4);
-        let net = Net::new(&ball);
+        let net = ConnectedSurface::new(&ball);
         let hit = ball.closest(Vec3::new(4.0, 5.0, 3.0)).unwrap();
         let middle = ball.at(hit.triangle, Vec2::splat(1.0 / 3.0));
         let [a, b, _] = ball.corners(hit.triangle);
@@ -543,7 +547,7 @@ mod tests {
     #[test]
     fn a_narrow_edge_on_large_triangles_takes_no_more_room_than_a_wide_one() {
         let ball = sphere(900.0, 3);
-        let net = Net::new(&ball);
+        let net = ConnectedSurface::new(&ball);
         let ring: Vec<Vec3> = circle(Vec3::Y, 0.2, 12).iter().map(|p| *p * 100.0).collect();
         let line = net.line(&ring, true);
         for reach in [1e-30, 1e-4, 0.25, 1e4] {
@@ -564,7 +568,7 @@ mod tests {
             triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
         }
         let both = Surface::new(points, triangles);
-        let net = Net::new(&both);
+        let net = ConnectedSurface::new(&both);
         // One of its points is nearer to the other ball.
         let mut ring = circle(Vec3::X, 0.3, 40);
         ring[7] = Vec3::X * 25.0;
@@ -590,7 +594,7 @@ mod tests {
             assert!((0.0..=0.51 * all).contains(&outline.area()), "{id} {}", outline.area());
         }
         let none = Surface::new(vec![], vec![]);
-        let net = Net::new(&none);
+        let net = ConnectedSurface::new(&none);
         assert_eq!(Outline::new(&net, &net.line(&[Vec3::X, Vec3::Y], true), 1.0).area(), 0.0);
     }
 }

@@ -16,14 +16,14 @@ mod even;
 use super::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE};
 use super::curves::TuftBuilder;
 use super::field::{Field, FieldFault};
-use super::laid::{LEAST_POINTS, Laid};
+use super::laid::{ClosedStroke, LEAST_POINTS};
 use super::scalp::{Root, Scalp};
 use super::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use crate::error::NodeError;
 use crate::maths::hash::{Key, KeyBuilder};
 use crate::maths::{smoothstep, soft_edge};
-use dabs::{Dabs, Piece};
-pub use even::Even;
+use dabs::{DabSegment, Dabs};
+pub use even::GridMeans;
 use glam::{Vec2, Vec3};
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -56,11 +56,11 @@ struct Layer {
     /// Indices of the sections that it and its mirror image are limited to; empty: the head has no such section.
     sections: Option<[Vec<u32>; 2]>,
     /// Its closed line and that of its mirror image.
-    lines: Option<[Option<Arc<Laid>>; 2]>,
+    lines: Option<[Option<Arc<ClosedStroke>>; 2]>,
     /// Its number of points, if too few to close.
     too_few: Option<usize>,
     /// What a smooth stroke blends the mask toward.
-    even: Option<Arc<Even>>,
+    even: Option<Arc<GridMeans>>,
 }
 
 /// Skin that faces away by more than the first cosine is not reached; from the second cosine on it is fully reached.
@@ -78,8 +78,11 @@ impl Painted {
         base: Arc<Field>,
         edges: Edges,
         check: &dyn Fn() -> Result<(), NodeError>,
-        known: &dyn Fn(Key, &dyn Fn() -> Result<Even, NodeError>) -> Result<Arc<Even>, NodeError>,
-        laid: &dyn Fn(Key, &dyn Fn() -> Laid) -> Arc<Laid>,
+        known: &dyn Fn(
+            Key,
+            &dyn Fn() -> Result<GridMeans, NodeError>,
+        ) -> Result<Arc<GridMeans>, NodeError>,
+        laid: &dyn Fn(Key, &dyn Fn() -> ClosedStroke) -> Arc<ClosedStroke>,
     ) -> Result<Self, NodeError> {
         let by_section = strokes.0.iter().filter_map(|stroke| stroke.brush.as_ref());
         let by_section = by_section.clone().any(|brush| !brush.section.is_empty());
@@ -108,7 +111,7 @@ impl Painted {
                 continue;
             }
             let key = KeyBuilder::new("evened").key(before).key(strokes.0[number as usize].key());
-            let even = known(key.finish(), &|| Even::new(&painted, number, check))?;
+            let even = known(key.finish(), &|| GridMeans::new(&painted, number, check))?;
             painted.layers[number as usize].even = Some(even);
         }
         Ok(painted)
@@ -260,7 +263,7 @@ impl Painted {
 
     /// How much a segment of a stroke covers a point.
     #[inline]
-    fn covered(&self, piece: &Piece, point: Vec3, normal: impl Fn() -> Vec3) -> f32 {
+    fn covered(&self, piece: &DabSegment, point: Vec3, normal: impl Fn() -> Vec3) -> f32 {
         let (square, t) = piece.square(point);
         if square >= piece.reach * piece.reach {
             return 0.0;
@@ -285,8 +288,8 @@ impl Layer {
         scalp: &Scalp,
         (number, stroke): (u32, &Stroke),
         edges: &Edges,
-        pieces: &mut Vec<Piece>,
-        laid: &dyn Fn(Key, &dyn Fn() -> Laid) -> Arc<Laid>,
+        pieces: &mut Vec<DabSegment>,
+        laid: &dyn Fn(Key, &dyn Fn() -> ClosedStroke) -> Arc<ClosedStroke>,
     ) -> Self {
         let usual = Brush::default();
         let brush = stroke.brush.as_ref().unwrap_or(&usual);
@@ -312,7 +315,7 @@ impl Layer {
                     (passes(dabs), brush.radius * scalp.frame().unit())
                 }
             };
-            let made = ends.into_iter().map(|ends| Piece::new(ends, reach, number, half));
+            let made = ends.into_iter().map(|ends| DabSegment::new(ends, reach, number, half));
             pieces.extend(made);
         }
         Self {
@@ -366,10 +369,10 @@ fn on_skin(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Vec<Dab> {
 }
 
 /// The closed line of a stroke, or of its mirror image. Distances to it come from the dabs.
-fn on_mesh(scalp: &Scalp, stroke: &Stroke, twin: bool) -> Laid {
+fn on_mesh(scalp: &Scalp, stroke: &Stroke, twin: bool) -> ClosedStroke {
     let points: Vec<Vec3> =
         stroke.samples.iter().map(|sample| place(scalp, sample, twin)).collect();
-    Laid::new(&scalp.net(), scalp.space(), &points, 0.0)
+    ClosedStroke::new(&scalp.net(), scalp.space(), &points, 0.0)
 }
 
 /// The sections that a stroke and its mirror image are limited to: the named one, and the one in which the mirror image

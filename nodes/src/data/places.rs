@@ -3,7 +3,7 @@
 //! Guarantees: every segment within half a place of a point is listed at that point's place; queries are recorded
 //! (`read_set.rs`). Not promised: that every listed segment is that near.
 
-use super::cut::Piece;
+use super::cut::PartingSegment;
 use super::read_set::{read_place, read_places};
 use glam::Vec3;
 
@@ -23,7 +23,7 @@ impl Places {
     /// The most places along an axis; larger extents have larger places.
     const MOST: f32 = 128.0;
 
-    pub(super) fn new(pieces: &[Piece]) -> Self {
+    pub(super) fn new(pieces: &[PartingSegment]) -> Self {
         let ends = || pieces.iter().flat_map(|piece| piece.ends);
         let low = ends().fold(Vec3::INFINITY, Vec3::min) - PLACE;
         let high = ends().fold(Vec3::NEG_INFINITY, Vec3::max) + PLACE;
@@ -64,7 +64,7 @@ impl Places {
     }
 
     /// The places within half a place of a segment, and some slightly farther.
-    fn about(&self, piece: &Piece) -> impl Iterator<Item = usize> + use<> {
+    fn about(&self, piece: &PartingSegment) -> impl Iterator<Item = usize> + use<> {
         let [a, b] = piece.ends;
         let low = place_of(a.min(b) - 0.6 * PLACE, self.side);
         let high = place_of(a.max(b) + 0.6 * PLACE, self.side);

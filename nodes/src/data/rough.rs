@@ -1,40 +1,41 @@
-//! Meshes that are no head to lead hair on: folded all over, far larger than any scalp, in hundreds of scraps, or a tangle.
+//! Meshes on which hair is not routed around the skin: folded all over, far larger than a scalp, in hundreds of parts, or
+//! tangled.
 //!
-//! Told from the surface and the region alone, so that it is known before a hair grows. On none of them hair is led around the skin:
-//! what makes that worth its price, that thousands of hairs come by the same ear, is not so there. On what is wide, hair is pushed
-//! out; on what is folded, guides alone are ([`super::skin::Skin::for_hair`]), and no further than to its nearest side; scraps and
-//! tangles have no inside, and nothing is kept out of them. Steps over what is no merely wide mesh ask few triangles
-//! ([`super::skin::Skin::foot`]), and hair between rows goes straight where there is no inside.
+//! The class depends on surface and region alone, so it is known before hair grows. Routing pays only where thousands of hairs
+//! pass the same ear, which none of these meshes has. On wide meshes hair is pushed out; on folded ones only guides are
+//! ([`super::skin::Skin::for_hair`]), and no farther than to their nearest side; strewn and tangled meshes have no inside, and
+//! nothing is kept out of them. Steps over all but wide meshes test few triangles ([`super::skin::Skin::foot`]), and hair between
+//! rows runs straight where there is no inside.
 
 use super::scalp::HEAD_RADIUS;
 use crate::maths::closest::Surface;
 use glam::Vec2;
 
-/// Why hair on a mesh is not led round it.
+/// Why hair is not routed around the skin of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rough {
-    /// More than a quarter of the region has other skin before it, within the radius of a head, as crumpled cloth, leaves, many
-    /// layers or a whole dressed figure have (heads have 2 %).
+    /// More than a quarter of the region faces other skin within the radius of a head, as in crumpled cloth, leaves, many layers
+    /// or a whole dressed figure (heads have 2 %).
     Folded,
     /// The region is larger than [`WIDE`], and not folded.
     Wide,
-    /// The region is in [`SCRAPS`] parts of like size or more: leaves, cards or confetti.
+    /// The region has at least [`SCRAPS`] parts of similar size: leaves, cards or confetti.
     Strewn,
-    /// So many triangles cross each other that nothing has an inside: see [`Surface::is_tangled`].
+    /// So many triangles intersect that nothing has an inside: see [`Surface::is_tangled`].
     Tangled,
 }
 
-/// A region larger than this is wide, cm2 on a head of usual size, which has 600 to 900.
+/// Area above which a region is wide, cm2 on a head of average size, which has 600 to 900.
 pub const WIDE: f32 = 5000.0;
-/// What is in so many parts is strewn; where they are of unlike size, as many as would weigh as much.
+/// Number of parts from which a region counts as strewn; for parts of different sizes, the effective number by area.
 pub const SCRAPS: f64 = 200.0;
-/// At so many places of the region one looks whether skin is faced.
+/// Number of samples of the region that are tested for facing skin.
 const LOOKS: u32 = 400;
-/// Skin nearer than this, in head units, is faced.
+/// Distance within which skin counts as facing, head units.
 const FACED: f32 = HEAD_RADIUS;
 
 impl Rough {
-    /// Whether a surface with hair on a `region` (0 to 1 a vertex) is rough; `unit` is a head unit in cm.
+    /// The class of a surface with hair on a `region` (0 to 1 per vertex), if it is rough; `unit` is a head unit in cm.
     pub fn of(surface: &Surface, region: &[f32], unit: f32) -> Option<Self> {
         if surface.is_tangled() {
             return Some(Self::Tangled);
@@ -55,7 +56,7 @@ impl Rough {
     }
 }
 
-/// Whether these areas, one for each triangle and `sum` in all, are in [`SCRAPS`] parts or more of like size.
+/// Whether these areas, one per triangle with the sum `sum`, form [`SCRAPS`] parts or more of similar size.
 fn is_strewn(surface: &Surface, areas: &[f64], sum: f64) -> bool {
     let mut to: Vec<u32> = (0..surface.points.len() as u32).collect();
     fn first(to: &mut [u32], mut v: u32) -> u32 {
@@ -78,7 +79,7 @@ fn is_strewn(surface: &Surface, areas: &[f64], sum: f64) -> bool {
     parts.iter().map(|part| part * part).sum::<f64>() * SCRAPS < sum * sum
 }
 
-/// Whether more than a quarter of these areas face skin within `reach`, looked at once in each `each` of them.
+/// Whether more than a quarter of these areas face skin within `reach`, by one sample per `each` of area.
 fn is_folded(surface: &Surface, areas: &[f64], each: f64, reach: f32) -> bool {
     let (mut sum, mut next) = (0.0, 0.5 * each);
     let (mut looks, mut faced) = (0, 0);

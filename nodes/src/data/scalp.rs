@@ -5,13 +5,13 @@
 
 use super::carry::Carry;
 use super::chart::Chart;
-use super::drawn::Drawn;
+use super::drawn::DrawnRegion;
 use super::landmarks::Landmarks;
 use super::links::Links;
-use super::outline::Net;
+use super::outline::ConnectedSurface;
 use super::rough::Rough;
 use super::sections::Sections;
-use super::spread::{Spread, highest};
+use super::spread::{TriangleLine, highest};
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::DistanceField;
 use crate::maths::hash::{Key, KeyBuilder};
@@ -163,11 +163,11 @@ struct Head {
     /// Mask name to one value per vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
     /// Masks that are exact between vertices.
-    drawn: Vec<(String, Drawn)>,
+    drawn: Vec<(String, DrawnRegion)>,
     links: OnceLock<Arc<Links>>,
     field: OnceLock<DistanceField>,
     rough: OnceLock<Option<Rough>>,
-    spread: OnceLock<Spread>,
+    spread: OnceLock<TriangleLine>,
     chart: OnceLock<Chart>,
 }
 
@@ -229,12 +229,13 @@ impl Scalp {
     /// If the scalp is already shared.
     pub(crate) fn with_drawn(
         mut self,
-        drawn: Vec<(String, Drawn)>,
+        drawn: Vec<(String, DrawnRegion)>,
         links: Option<Arc<Links>>,
     ) -> Self {
         let key = KeyBuilder::new("drawn").key(self.key);
-        let known =
-            |key: KeyBuilder, (name, region): &(String, Drawn)| key.text(name).key(region.key());
+        let known = |key: KeyBuilder, (name, region): &(String, DrawnRegion)| {
+            key.text(name).key(region.key())
+        };
         if !drawn.is_empty() {
             self.key = drawn.iter().fold(key, known).finish();
         }
@@ -400,9 +401,12 @@ impl Scalp {
         &self.head.surface
     }
     /// The triangles with their connectivity, computed on first use.
-    pub(crate) fn net(&self) -> Net<'_> {
+    pub(crate) fn net(&self) -> ConnectedSurface<'_> {
         let surface = &self.head.surface;
-        Net::of(surface, self.head.links.get_or_init(|| Links::new(surface).into()).clone())
+        ConnectedSurface::of(
+            surface,
+            self.head.links.get_or_init(|| Links::new(surface).into()).clone(),
+        )
     }
     /// Texture coordinates of each triangle's corners, if the mesh has them.
     pub fn uvs(&self) -> Option<&[[Vec2; 3]]> {
@@ -439,10 +443,10 @@ impl Scalp {
         &self.head.masks[REGION]
     }
     /// The region as a line along which roots are spread, computed on first use.
-    pub(crate) fn spread(&self) -> &Spread {
-        self.head.spread.get_or_init(|| Spread::new(&self.head.surface, &|t| self.highest(t)))
+    pub(crate) fn spread(&self) -> &TriangleLine {
+        self.head.spread.get_or_init(|| TriangleLine::new(&self.head.surface, &|t| self.highest(t)))
     }
-    fn drawn(&self, name: &str) -> Option<&Drawn> {
+    fn drawn(&self, name: &str) -> Option<&DrawnRegion> {
         self.head.drawn.iter().find(|(known, _)| known == name).map(|(_, region)| region)
     }
     /// Value of the region at a point of a triangle, 0 to 1; 0 for a missing triangle.
@@ -454,7 +458,7 @@ impl Scalp {
     }
     /// Area of the region if it was drawn, cm2.
     pub(crate) fn drawn_area(&self) -> Option<f32> {
-        self.drawn(REGION).map(Drawn::area)
+        self.drawn(REGION).map(DrawnRegion::area)
     }
     /// Upper bound of the region's value in a triangle.
     pub(crate) fn highest(&self, triangle: u32) -> f32 {
@@ -526,7 +530,7 @@ impl Scalp {
             + self.head.field.get().map_or(0, DistanceField::bytes)
             + self.head.links.get().map_or(0, |links| links.bytes())
             + self.head.drawn.iter().map(|(_, region)| region.bytes()).sum::<usize>()
-            + self.head.spread.get().map_or(0, Spread::bytes)
+            + self.head.spread.get().map_or(0, TriangleLine::bytes)
             + self.head.chart.get().map_or(0, Chart::bytes)
     }
 }

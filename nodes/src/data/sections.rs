@@ -11,7 +11,7 @@
 //! skin however often it is cut again ([`Names`]). Not promised: a section narrower than a cell (1.1 mm), which is bare
 //! skin.
 
-use super::chart::{Spread, around, cell_of, cross, middle};
+use super::chart::{ChartProjection, around, cell_of, cross, middle};
 pub(crate) use super::cut::off_the_scalp;
 use super::cut::{Cut, Lines, cut, square_to};
 use super::mesh_cut::MeshCut;
@@ -67,7 +67,7 @@ pub struct Place {
 pub struct Sections {
     key: Key,
     whole: Key,
-    spread: Spread,
+    spread: ChartProjection,
     /// Half the width of the widest parting, cm.
     widest: f32,
     list: Vec<Section>,

@@ -8,7 +8,7 @@ use glam::Vec2;
 
 /// The profile of one turn: a closed curve.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Section {
+pub enum TurnProfile {
     /// A circle: the helix.
     Circle,
     /// An ellipse by the ratio of its axes, above 0 up to 1.
@@ -28,7 +28,7 @@ pub enum Section {
     Custom(Vec<Vec2>),
 }
 
-impl Section {
+impl TurnProfile {
     /// The fewest and the most points of a drawn profile.
     pub const CORNERS: (usize, usize) = (3, 256);
     /// Points of a drawn profile are closer to the centre than this.
@@ -48,7 +48,7 @@ pub enum Tier {
 
 /// Profiles with their tiers; within a tier, all are equally likely.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ShapeList(pub Vec<(Tier, Section)>);
+pub struct ShapeList(pub Vec<(Tier, TurnProfile)>);
 
 impl ShapeList {
     /// Why the list cannot be used, in words for the artist; `None` if it can.
@@ -56,32 +56,38 @@ impl ShapeList {
         let within = |x: f32, lo: f32, hi: f32| x.is_finite() && (lo..=hi).contains(&x);
         for (_, section) in &self.0 {
             let fault = match section {
-                Section::Circle => None,
-                Section::Ellipse(ratio) if within(*ratio, 0.01, 1.0) => None,
-                Section::Ellipse(ratio) => {
+                TurnProfile::Circle => None,
+                TurnProfile::Ellipse(ratio) if within(*ratio, 0.01, 1.0) => None,
+                TurnProfile::Ellipse(ratio) => {
                     Some(format!("Ellipse({ratio}): the ratio runs from 0.01 to 1"))
                 }
-                Section::Lame(e) if within(*e, 0.3, 20.0) => None,
-                Section::Lame(e) => Some(format!("Lame({e}): the exponent runs from 0.3 to 20")),
-                Section::Polygon(n) if (3..=12).contains(n) => None,
-                Section::Polygon(n) => Some(format!("Polygon({n}): a polygon has 3 to 12 sides")),
-                Section::Rose { petals, depth }
+                TurnProfile::Lame(e) if within(*e, 0.3, 20.0) => None,
+                TurnProfile::Lame(e) => {
+                    Some(format!("Lame({e}): the exponent runs from 0.3 to 20"))
+                }
+                TurnProfile::Polygon(n) if (3..=12).contains(n) => None,
+                TurnProfile::Polygon(n) => {
+                    Some(format!("Polygon({n}): a polygon has 3 to 12 sides"))
+                }
+                TurnProfile::Rose { petals, depth }
                     if (2..=12).contains(petals) && within(*depth, 0.0, 0.95) =>
                 {
                     None
                 }
-                Section::Rose { petals, depth } => {
+                TurnProfile::Rose { petals, depth } => {
                     Some(format!("Rose({petals}, {depth}): 2 to 12 petals, depth from 0 to 0.95"))
                 }
-                Section::Custom(points) => {
-                    let (fewest, most) = Section::CORNERS;
+                TurnProfile::Custom(points) => {
+                    let (fewest, most) = TurnProfile::CORNERS;
                     let usable = (fewest..=most).contains(&points.len())
-                        && points.iter().all(|p| p.is_finite() && p.length() < Section::FARTHEST)
+                        && points
+                            .iter()
+                            .all(|p| p.is_finite() && p.length() < TurnProfile::FARTHEST)
                         && points.iter().any(|p| p.distance(points[0]) > 1e-4);
                     (!usable).then(|| {
                         format!(
                             "Custom: {fewest} to {most} finite points nearer than {} to (0, 0), not all at one place",
-                            Section::FARTHEST
+                            TurnProfile::FARTHEST
                         )
                     })
                 }
@@ -99,14 +105,14 @@ impl ShapeList {
         self.0.iter().fold(key.int(self.0.len() as u64), |key, (tier, section)| {
             let key = key.int(*tier as u64);
             match section {
-                Section::Circle => key.text("circle"),
-                Section::Ellipse(ratio) => key.text("ellipse").float(*ratio),
-                Section::Lame(e) => key.text("lame").float(*e),
-                Section::Polygon(n) => key.text("polygon").int(u64::from(*n)),
-                Section::Rose { petals, depth } => {
+                TurnProfile::Circle => key.text("circle"),
+                TurnProfile::Ellipse(ratio) => key.text("ellipse").float(*ratio),
+                TurnProfile::Lame(e) => key.text("lame").float(*e),
+                TurnProfile::Polygon(n) => key.text("polygon").int(u64::from(*n)),
+                TurnProfile::Rose { petals, depth } => {
                     key.text("rose").int(u64::from(*petals)).float(*depth)
                 }
-                Section::Custom(points) => {
+                TurnProfile::Custom(points) => {
                     points.iter().fold(key.text("custom").int(points.len() as u64), |key, p| {
                         key.float(p.x).float(p.y)
                     })

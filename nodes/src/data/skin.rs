@@ -1,8 +1,8 @@
 //! The skin of a head: what keeps hair out of it.
 //!
-//! Guarantees: the same answers on every machine and whoever asks first; what a search for a way out takes is bounded by a
-//! [`Patience`] where one is given. On a wide mesh each point is asked for by itself, for there no two come to the same cell of the
-//! field. What is strewn or tangled ([`Rough`]) has no inside: there every place is outside.
+//! Guarantees: the same answers on every machine and in any order of queries; searches for a way out are bounded by a
+//! [`Patience`] where one is given. On a wide mesh each point is computed directly, since points rarely share a cell of the
+//! field. What is strewn or tangled ([`Rough`]) has no inside: every point is outside.
 
 use super::patience::Patience;
 use super::rough::Rough;
@@ -19,10 +19,10 @@ pub struct Skin<'a> {
     pub(super) patience: Option<&'a Patience>,
 }
 
-/// Nearer to the skin than this (cm) [`Skin::distance`] asks the surface itself.
+/// Distance from the skin, cm, below which [`Skin::distance`] queries the surface itself.
 const EXACT: f32 = 0.1;
 impl<'a> Skin<'a> {
-    /// Of a surface and its field.
+    /// The skin of a surface and its distance field.
     pub(super) fn new(
         surface: &'a Surface,
         field: &'a DistanceField,
@@ -31,8 +31,8 @@ impl<'a> Skin<'a> {
         Self { surface, field, rough, patience: None }
     }
 
-    /// The same, whose searches for a way out end with somebody's patience: what is in the skin then is put on its nearest side,
-    /// which in a crease may be in the other.
+    /// The same, with bounded searches for a way out: once the budget is spent, points in the skin move to its nearest side,
+    /// which in a crease may be the wrong one.
     pub fn within<'b>(self, patience: &'b Patience) -> Skin<'b>
     where
         'a: 'b,
@@ -40,19 +40,19 @@ impl<'a> Skin<'a> {
         Skin { patience: Some(patience), ..self }
     }
 
-    /// The skin for hair by the thousand; none where there is no clear inside: there it takes many times as long to keep hair out of the
-    /// skin as to grow it. Guides are few, and ask it all the same.
+    /// The skin for hair by the thousand; `None` where there is no clear inside, because keeping hair out of it would take many
+    /// times as long as growing it. Guides are few and use it all the same.
     pub fn for_hair(self) -> Option<Self> {
         self.has_clear_inside().then_some(self)
     }
 
-    /// Whether there is a side that is clearly in: the mesh is not rough, or merely wide.
+    /// Whether the mesh has a clear inside: it is not rough, or merely wide.
     pub fn has_clear_inside(&self) -> bool {
         matches!(self.rough, None | Some(Rough::Wide))
     }
 
-    /// Notes so many looks of a search; whether there is patience for more. Among folds there is none: the way out of one leads
-    /// into the next.
+    /// Spends queries of a search; returns whether any remain. Always false among folds, where the way out of one leads into the
+    /// next.
     pub(super) fn looked(&self, looks: usize) -> bool {
         self.has_clear_inside()
             && self.patience.is_none_or(|patience| {
@@ -61,12 +61,12 @@ impl<'a> Skin<'a> {
             })
     }
 
-    /// How many looks a search may take yet.
+    /// Remaining queries of a search.
     pub(super) fn patience(&self) -> usize {
         self.patience.map_or(usize::MAX, |patience| patience.left() as usize)
     }
 
-    /// Whether nothing has an inside, as where the mesh is strewn or a tangle: then no place is in the skin.
+    /// Whether nothing has an inside, on strewn and tangled meshes: no point is in the skin.
     pub fn has_no_inside(&self) -> bool {
         matches!(self.rough, Some(Rough::Tangled | Rough::Strewn))
     }
@@ -84,25 +84,25 @@ impl<'a> Skin<'a> {
         }
     }
 
-    /// Whether the mesh is [`Rough`]: then nothing is led round it.
+    /// Whether the mesh is [`Rough`]: hair is not routed around it.
     pub fn is_rough(&self) -> bool {
         self.rough.is_some()
     }
 
-    /// Whether hair is so far from other hair, or the way to the nearest triangle so long, that cells of the field do not pay. There a
-    /// point asks about few triangles too: whatever the mesh is, hair has a bounded price.
+    /// Whether hairs are so far apart, or searches for the nearest triangle so long, that cells of the field do not pay. Then a
+    /// query also tests few triangles, so that the cost per hair is bounded on any mesh.
     pub(crate) fn asks_alone(&self) -> bool {
         self.rough.is_some_and(|rough| rough != Rough::Folded)
     }
 
-    /// Signed distance of `p` from the skin as the field tells it, cm: within a fiftieth of a centimetre where the skin is
-    /// smooth, off by up to a tenth at creases, +-1 beyond the field's band. Cheap; for whoever may err on the safe side.
+    /// Signed distance of `p` from the skin by the field, cm: within 0.02 cm where the skin is smooth, off by up to 0.1 at
+    /// creases, +-1 beyond the field's band. Cheap; for callers with a margin.
     #[inline]
     pub fn about(&self, p: Vec3) -> f32 {
         self.roughly(p).map_or(1.0, |(d, ..)| d)
     }
 
-    /// The scalp point closest to `p`: [`Surface::closest`], told by the field where to look first.
+    /// The scalp point closest to `p`: [`Surface::closest`], with the search started by the field.
     #[inline]
     pub fn closest(&self, p: Vec3) -> Option<Hit> {
         match self.field.hint(self.surface, p) {
@@ -111,7 +111,7 @@ impl<'a> Skin<'a> {
         }
     }
 
-    /// [`Self::closest`] unless it is farther than `reach` (cm), which the field often tells without a search.
+    /// [`Self::closest`], or `None` if it is farther than `reach` (cm), which the field often rules out without a search.
     pub fn closest_within(&self, p: Vec3, reach: f32) -> Option<Hit> {
         if self.field.far(self.surface, p) > reach {
             return None;
@@ -122,7 +122,7 @@ impl<'a> Skin<'a> {
         }
     }
 
-    /// Whether the field alone tells that all of a ball is outside the skin. False says nothing.
+    /// Whether the field alone shows that a ball is entirely outside the skin. False means unknown.
     #[inline]
     pub fn is_clear(&self, middle: Vec3, radius: f32) -> bool {
         if self.has_no_inside() {
@@ -135,7 +135,7 @@ impl<'a> Skin<'a> {
         }
     }
 
-    /// Whether the field alone tells that `p` is farther than `height` (cm) outside. False says nothing.
+    /// Whether the field alone shows that `p` is more than `height` (cm) outside. False means unknown.
     #[inline]
     pub fn stands_off(&self, p: Vec3, height: f32) -> bool {
         if self.asks_alone() {
@@ -145,8 +145,8 @@ impl<'a> Skin<'a> {
             && self.field.is_clear(self.surface, p, height.max(0.0))
     }
 
-    /// The radius (cm) of a ball about `p` that holds no skin: how far it is outside, up to the field's band where that is all that is
-    /// known without looking; 0 inside.
+    /// Radius (cm) of a ball around `p` that holds no skin: its distance outside, at most the field's band without a search; 0
+    /// inside.
     pub fn clear_about(&self, p: Vec3) -> f32 {
         if self.surface.parts_in_from_out() && self.field.is_beyond(self.surface, p) {
             return self.field.band();
@@ -154,8 +154,8 @@ impl<'a> Skin<'a> {
         self.exact(p).map_or(0.0, |(d, _)| d.max(0.0))
     }
 
-    /// What the field alone says about `p`: distance, the way out (zero where that is not known), and how far the distance may
-    /// be wrong; none farther outside than the field's band. A tenth of the price of an exact answer, for hair by the million.
+    /// What the field alone knows about `p`: distance, direction outward (zero where unknown) and the possible error; `None`
+    /// beyond the field's band outside. A tenth of the cost of an exact answer, for hair by the million.
     #[inline]
     pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3, f32)> {
         if self.has_no_inside() {
@@ -172,7 +172,7 @@ impl<'a> Skin<'a> {
         self.exact_from(p, None)
     }
 
-    /// [`Self::exact`], found sooner where a triangle is known that is near `p`.
+    /// [`Self::exact`], faster if a triangle near `p` is known.
     pub(super) fn exact_from(&self, p: Vec3, near: Option<u32>) -> Option<(f32, Hit)> {
         let hit = match near {
             _ if self.has_no_inside() => None,
@@ -186,9 +186,9 @@ impl<'a> Skin<'a> {
         Some((self.height_over(p, &hit), hit))
     }
 
-    /// The closest point of the skin to `p`, for whoever goes over the scalp from point to point; `near`, a triangle near it, becomes
-    /// the nearest. Where there is no clear inside it is a close point, found at a bounded price.
-    /// None on an empty mesh or if `p` is not finite.
+    /// The closest point of the skin to `p`, for callers that walk over the scalp; `near`, a triangle near it, is updated to the
+    /// nearest. Without a clear inside it is a close point, found at bounded cost. `None` on an empty mesh or if `p` is not
+    /// finite.
     #[inline]
     pub fn foot(&self, p: Vec3, near: &mut u32) -> Option<Hit> {
         if self.surface.triangles.is_empty() {
@@ -202,14 +202,14 @@ impl<'a> Skin<'a> {
         Some(hit)
     }
 
-    /// The smooth normal at a point of the skin. Unit.
+    /// The smooth unit normal at a point of the skin.
     #[inline]
     pub fn smooth_normal(&self, hit: &Hit) -> Vec3 {
         self.surface.smooth_normal(hit.triangle, hit.bary)
     }
 
-    /// The distance of `p` from its closest point `hit`, cm, negative inside. Where there is no clear inside, the side is that of the
-    /// point alone: rays that look farther would meet the next fold.
+    /// The distance of `p` from its closest point `hit`, cm, negative inside. Without a clear inside, the side is judged at that
+    /// point alone, since rays would hit the next fold.
     #[inline]
     pub fn height_over(&self, p: Vec3, hit: &Hit) -> f32 {
         match self.has_clear_inside() {

@@ -14,7 +14,7 @@ use crate::maths::closest::Surface;
 use glam::Vec3;
 
 /// The line.
-pub(crate) struct Spread {
+pub(crate) struct TriangleLine {
     /// Triangles of the region in order along the line, and the end of each, 0 to 1.
     triangles: Vec<u32>,
     ends: Vec<f64>,
@@ -45,7 +45,7 @@ struct Item {
     area: u64,
 }
 
-impl Spread {
+impl TriangleLine {
     /// The line of a region with these upper bounds, one per triangle.
     pub(crate) fn new(surface: &Surface, highest: &dyn Fn(u32) -> f32) -> Self {
         let area = |t: u32| {
@@ -220,7 +220,7 @@ mod tests {
     use crate::maths::hash::Dice;
 
     /// Positions of 20,000 evenly spaced points of the line.
-    fn places(spread: &Spread, surface: &Surface) -> Vec<Vec3> {
+    fn places(spread: &TriangleLine, surface: &Surface) -> Vec<Vec3> {
         let step = u32::MAX / 20_000;
         let at = |i: u32| {
             let (triangle, far) = spread.place(i * step).expect("there is a region");
@@ -241,7 +241,7 @@ mod tests {
         let of = |points: Vec<Vec3>, triangles: Vec<[u32; 3]>| {
             let surface = Surface::new(points, triangles);
             let most = |t: u32| highest(region, surface.triangles[t as usize]);
-            (places(&Spread::new(&surface, &most), &surface), surface.points)
+            (places(&TriangleLine::new(&surface, &most), &surface), surface.points)
         };
         let (as_is, was) = of(points(1.0), surface.triangles.clone());
         let mut turned = surface.triangles.clone();
@@ -260,7 +260,8 @@ mod tests {
     fn each_triangle_has_the_line_that_its_area_is_worth() {
         let scalp = ball();
         let (surface, region) = (scalp.surface(), scalp.region());
-        let spread = Spread::new(surface, &|t| highest(region, surface.triangles[t as usize]));
+        let spread =
+            TriangleLine::new(surface, &|t| highest(region, surface.triangles[t as usize]));
         let worth = |t: u32| {
             0.5 * f64::from(surface.area_vector(t).length())
                 * f64::from(highest(region, surface.triangles[t as usize]))
@@ -301,7 +302,7 @@ mod tests {
             let corners = |i: u32| [at(i), at(i) + 0.1 * Vec3::Y, at(i) + 0.1 * Vec3::Z];
             let points: Vec<Vec3> = (0..1000).flat_map(corners).collect();
             let triangles = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-            let spread = Spread::new(&Surface::new(points, triangles), &|_| 1.0);
+            let spread = TriangleLine::new(&Surface::new(points, triangles), &|_| 1.0);
             assert!(spread.triangles.len() > 900, "{}", spread.triangles.len());
             assert!(spread.ends.is_sorted());
         }

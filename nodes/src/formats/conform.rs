@@ -1,7 +1,7 @@
-//! Curves as other tools read them: resampled until both readings of Catmull-Rom splines are the same hair.
+//! Conforming curves for other tools: resampling until both readings of a Catmull-Rom spline are the same hair.
 //!
-//! Other readers take `catmullRom` as uniform, coif means centripetal (methods.md 0). [`conform`] resamples the curves for
-//! which the two differ by more than [`AGREE`], each until they agree.
+//! Other readers interpret `catmullRom` as uniform, coif as centripetal (methods.md 0). [`conform`] resamples the curves on which
+//! the two differ by more than [`AGREE`], each until they agree.
 //!
 //! Guarantees: the root of a curve stays, all other points are new ones of the same curve, as far out of the skin as it
 //! allows. Where no points of the same curve do, which is where the skin makes it leap or kink (an ear between two points),
@@ -15,45 +15,45 @@
 use super::repair::{Allowance, Mender, Read};
 use crate::data::attribute_transfer::between;
 use crate::data::attributes::{self as a, Domain};
-use crate::data::curves::{Curves, Tuft, TuftBuilder, View};
+use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::eval::Host;
 use crate::maths::catmull_rom_agreement::{AGREE, readings_agree, readings_differ};
 use crate::maths::nearest_on;
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
-/// Curves as other tools will read them, and what that took.
+/// Conformed curves, and what was done to them.
 #[derive(Clone, Debug)]
 pub struct Conformed {
-    /// The curves, resampled where needed. Tufts that need nothing are the same.
+    /// The curves, resampled where needed. Tufts without change are the same.
     pub curves: Curves,
-    /// What was done to them.
+    /// What was done.
     pub changes: Changes,
 }
 
 /// What conforming did to curves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// How many curves were resampled.
+    /// Number of resampled curves.
     pub resampled: usize,
-    /// How many of these had to leave the curve they were, out of the skin.
+    /// Number of those that had to leave their original curve to clear the skin.
     pub moved: usize,
-    /// The farthest that a point of these lies from where it was on its curve, cm.
+    /// Largest distance, cm, of a CV of these from its place on the original curve.
     pub farthest: f32,
-    /// The largest distance between the two readings, cm.
+    /// Largest remaining distance between the two readings, cm.
     pub difference: f32,
-    /// Curves of fewer than two points, which no format holds: left out.
+    /// Curves of fewer than two CVs, which no format can hold: left out.
     pub left_out: usize,
-    /// Curves that still differ, or that no way led out of the skin but over a parting.
+    /// Curves that still differ, or whose only way out of the skin crosses a parting.
     pub astray: usize,
     /// Whether these were kept: they are more than one in [`FEW`].
     pub keeps_astray: bool,
 }
 
-/// Of so many curves one that is astray is left out: nobody misses a hair, and everybody a guide.
+/// A curve that is astray is left out if there is at most one in so many: a missing hair is invisible, a missing guide is not.
 pub const FEW: usize = 1000;
 
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere: the root stays, all other points are new
@@ -75,7 +75,7 @@ pub fn conform(
     let mut looked: Vec<Looked> =
         each(host, tufts.len(), |i| look_at(&tufts[i], &land, &is_cancelled))?;
     let is_astray = |looked: &Looked| looked.changed.iter().filter(|one| one.astray).count();
-    // How hard each curve that still differs is tried hangs from how many there are: not on how many threads find them.
+    // The effort per curve that still differs depends on the number of such curves, not on how many threads find them.
     let effort = match skin.is_some_and(|skin| skin.is_rough()) {
         true => Effort::None,
         false => Effort::of(looked.iter().map(is_astray).sum()),
@@ -106,7 +106,7 @@ pub fn conform(
     Some(Conformed { curves: Curves::new(tufts), changes })
 }
 
-/// `f(0)..f(n)` on all of a host's threads; none where somebody asked to stop.
+/// `f(0)..f(n)` on all threads of the host; `None` on cancellation.
 fn each<T: Send + Sync>(
     host: &dyn Host,
     n: usize,
@@ -177,7 +177,7 @@ fn try_again(
     Some(())
 }
 
-/// The sections that hair keeps to. (On a mesh without a map it is not led: fur lies over its lines.)
+/// The sections that hair stays in. (On a mesh without a map it is not routed: fur lies over its lines.)
 pub(crate) fn leading(parted: &[Arc<Scalp>]) -> Vec<&Sections> {
     let sections = parted.iter().filter_map(|scalp| scalp.sections());
     sections.filter(|sections| !sections.are_of_a_mesh()).collect()
@@ -190,31 +190,31 @@ struct Land<'a> {
 }
 
 impl Land<'_> {
-    /// Whether a curve leads over a parting.
+    /// Whether a curve crosses a parting.
     fn is_over_a_parting(&self, points: &[Vec3]) -> bool {
         self.sections.iter().any(|sections| sections.is_over_line(points))
     }
 }
 
-/// What is tried on each curve whose readings still differ when its points are even.
+/// What is tried on each curve whose readings still differ when its CVs are even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effort {
     None,
-    /// It is moved out of the skin as a whole.
+    /// Moving it out of the skin as a whole.
     Moved,
-    /// It is led round what the skin tears it at, too.
+    /// Also routing it around what tears it.
     Led,
 }
 
 impl Effort {
-    /// So many curves are led, which is what takes longest. A smooth head tears a few hundred at its ears, the folds
-    /// of a rough scan a few thousand.
+    /// Largest number of curves that are routed, which takes longest. A smooth head tears a few hundred at its ears, a rough scan
+    /// a few thousand in its folds.
     const LED: usize = 4_000;
-    /// So many are moved. Most find their way in a few rounds; where none does, on a mesh of nothing but folds, 72,000 coils
-    /// took 50 s on two cores.
+    /// Largest number of curves that are moved. Most need a few rounds; on a mesh of nothing but folds, where none succeeds,
+    /// 72,000 coils took 50 s on two cores.
     const MOVED: usize = 40_000;
 
-    /// For each of so many curves.
+    /// The effort for this number of curves.
     fn of(curves: usize) -> Self {
         if curves <= Self::LED {
             Self::Led
@@ -225,9 +225,9 @@ impl Effort {
         }
     }
 
-    /// What trying on all curves may take together, in points placed: some ten seconds of one core. Where the skin holds thousands
-    /// that find no way out, as under a braid that was sunk into the head, each would be tried for most of a second. Where they
-    /// are too many to be led, what is deep in the skin is asked about most, which costs more.
+    /// Largest effort on all curves together, in placed CVs: about ten seconds of one core. Where thousands of curves cannot get
+    /// out of the skin, as under a braid that is sunk into the head, each would otherwise take most of a second. If they are too
+    /// many to be routed, most queries are deep in the skin, which costs more.
     fn most_tried(self) -> u64 {
         match self {
             Self::None => 0,
@@ -237,29 +237,29 @@ impl Effort {
     }
 }
 
-/// Where the skin moves curves, trying harder takes no more than so much for each point of all hair, about what making it takes ...
+/// Limit of the effort where the skin moves curves, per CV of all hair; about the cost of making it ...
 const TRIED: u64 = 16;
-/// ... and may take this much where there is little hair.
+/// ... with this minimum for little hair.
 const LEAST_TRIED: u64 = 6_000_000;
-/// So many curves are tried at once, on however many threads, before one looks whether there is patience for more.
+/// Curves tried in parallel between two checks of the budget.
 const AT_ONCE: usize = 32;
-/// When curves are resampled, one point in so many may look at the skin for a way out.
+/// Resampling may query the skin for a way out for one CV in so many.
 const LOOKS: u64 = 4;
-/// The same on a mesh where each point asks the skin alone, for there few find one.
+/// The same on a mesh where every CV queries the skin alone, since few find a way there.
 const LOOKS_ALONE: u64 = 64;
 
-/// What is known of a tuft.
+/// State of a tuft.
 struct Looked {
     left_out: usize,
-    /// The largest difference between the readings of curves that stay as they are, cm.
+    /// Largest difference between the readings of curves that stay as they are, cm.
     difference: f32,
-    /// Those that do not, in order.
+    /// Curves that change, in order.
     changed: Vec<Mended>,
 }
 
-/// A curve that gets other points.
+/// A curve with new CVs.
 struct Mended {
-    /// Its number in the tuft.
+    /// Its index in the tuft.
     curve: u32,
     read: Read,
     /// Whether its readings still differ, or it was led over a parting.
@@ -272,7 +272,7 @@ pub(crate) fn joins(tuft: &Tuft, i: usize) -> Option<usize> {
     let along = tuft.view(a::ALONG);
     let points = tuft.range(i);
     let root = along.at(i, points.start);
-    if !matches!(along, View::Point(_)) || tuft.view(a::BRAID).at(i, points.start) == 0 {
+    if !matches!(along, AttributeView::Point(_)) || tuft.view(a::BRAID).at(i, points.start) == 0 {
         return None;
     }
     points.into_iter().position(|k| along.at(i, k) > root).map(|k| k - 1)
@@ -296,7 +296,7 @@ pub(crate) fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
     (far <= radius + 0.2).then_some(at)
 }
 
-/// Looks at a tuft, and resamples what is uneven.
+/// Checks a tuft, and resamples uneven curves.
 fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked {
     let mut looked = Looked { left_out: 0, difference: 0.0, changed: vec![] };
     let mut room = Room::default();
@@ -325,14 +325,14 @@ fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked 
     looked
 }
 
-/// Memory that one curve after another uses.
+/// Scratch memory, reused from curve to curve.
 #[derive(Default)]
 struct Room {
     spline: Spline,
     led: Spline,
 }
 
-/// Other points for a curve; none where it has no course.
+/// New CVs for a curve; `None` if it has no valid spline.
 fn mend(
     tuft: &Tuft,
     curve: u32,
@@ -346,16 +346,17 @@ fn mend(
     spline.rebuild(old).ok()?;
     let first = tuft.range(i).start;
     let allowed = tuft.view(a::ALLOW_DEPTH);
-    // As the attribute will be read at the new points.
-    let depth = |place: Place| {
+    // As the attribute will be read at the new CVs.
+    let depth = |place: SplineParam| {
         let at = |k: usize| allowed.at(i, first + place.span + k);
         at(0) + (at(1) - at(0)) * place.t
     };
-    // What lay over a parting before may after.
+    // A curve that crossed a parting before may still cross it.
     let joins = joins(tuft, i);
     let is_barred = |read: &Read| {
         let on_way = |last: &usize| {
-            let still = |(_, place): &&(f32, Place)| place.span as f32 + place.t <= *last as f32;
+            let still =
+                |(_, place): &&(f32, SplineParam)| place.span as f32 + place.t <= *last as f32;
             read.stops.iter().take_while(still).count() - 1
         };
         land.is_over_a_parting(&read.points[..joins.as_ref().map_or(read.points.len(), on_way)])
@@ -376,7 +377,7 @@ fn mend(
     Some(Mended { curve, read, astray })
 }
 
-/// A tuft with what has changed in it, without what is astray where that is left out.
+/// A tuft with its changed curves, without those that are astray if these are left out.
 fn conformed(tuft: &Arc<Tuft>, looked: &Looked, leaves_astray: bool) -> Arc<Tuft> {
     if looked.left_out == 0 && looked.changed.is_empty() {
         return tuft.clone();

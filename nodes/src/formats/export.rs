@@ -1,9 +1,9 @@
-//! A groom to bytes: curves with their attributes as USD, Alembic or .hair.
+//! Writing grooms: curves with their attributes as USD, Alembic or .hair.
 //!
-//! Every attribute travels: the well-known ones under the names other tools expect ([`file_name`]), the rest under their own, and
-//! beside them what readers of grooms look for ([`ADDED`]). Values that all hairs share are written once.
+//! Every attribute is written: well-known ones under the names that other tools expect ([`file_name`]), others under their own,
+//! and beside them what readers of grooms look for ([`ADDED`]). Values that all hairs share are written once.
 //!
-//! What is read elsewhere is the same hair only once curves went through [`super::conform`].
+//! Other tools read the same hair only if curves went through [`super::conform`].
 
 use super::abc;
 use super::chunks::Chunks;
@@ -11,13 +11,13 @@ use super::error::FormatError;
 use super::file_ids::FileIds;
 use super::hair;
 use super::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Skin, Stage, UpAxis, Widths,
+    CurveSet, GroomStage, Interpolation, Primvar, PrimvarValues, Purpose, SkinMesh, UpAxis, Widths,
     write_usda, write_usdc,
 };
 use crate::data::attributes::{
     self as a, Column, ID, Item, PARENT, PARTING, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
-use crate::data::curves::{Curves, Tuft, View};
+use crate::data::curves::{AttributeView, Curves, Tuft};
 use crate::data::scalp::Scalp;
 use crate::maths::hair_colour::{absorption_of, pigment_of};
 use glam::{Vec2, Vec3};
@@ -25,19 +25,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Seek, Write};
 use std::sync::Arc;
 
-/// Curves that leave the graph under one name.
+/// Curves written under one name.
 #[derive(Clone, Debug)]
-pub struct Group {
-    /// The group's name.
+pub struct HairGroup {
+    /// The name.
     pub name: String,
-    /// Whether they are guides, which renderers leave out.
+    /// Whether they are guides, which are not rendered.
     pub guides: bool,
     /// The curves, cm, Y up.
     pub curves: Curves,
 }
 
-impl Group {
-    /// Whether these are lines of partings that go out as guides, for measuring: nothing that hair should follow.
+impl HairGroup {
+    /// Whether these are lines of partings written as guides, for measuring: hair does not follow them.
     pub fn is_partings(&self) -> bool {
         let tufts = self.curves.tufts();
         let parts = |t: &Arc<Tuft>| t.view(PARTING).at(0, 0) != 0;
@@ -45,22 +45,22 @@ impl Group {
     }
 }
 
-/// What a file says about its making.
+/// Origin of a file.
 #[derive(Clone, Debug)]
 pub struct About {
     /// Title of the document.
     pub title: String,
-    /// Program and version.
+    /// Name and version of the program.
     pub generator: String,
-    /// Hash of the document that made it.
+    /// Hash of the document.
     pub graph_hash: String,
-    /// The seed it ran with.
+    /// The document's seed.
     pub seed: u64,
-    /// Names of the sections of scalps, by id; curves in a section have its name beside its number ([`SECTION_NAME`]).
+    /// Names of the sections of scalps, by id; curves in a section carry its name beside its number ([`SECTION_NAME`]).
     pub sections: BTreeMap<u64, String>,
 }
 
-/// A file format that grooms are written in.
+/// A file format for grooms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// USD as text.
@@ -69,16 +69,16 @@ pub enum Format {
     Usdc,
     /// Alembic; see [`abc`].
     Abc,
-    /// Cem Yuksel's .hair; one group, no attributes but width and colour.
+    /// Cem Yuksel's .hair; one group, no attributes except width and colour.
     Hair,
 }
 
 impl Format {
-    /// Every format with the extension of its files; `usd` stands for the first.
+    /// Every format with its file extension; `usd` stands for the first.
     pub const ALL: [(&str, Self); 4] =
         [("usdc", Self::Usdc), ("usda", Self::Usda), ("abc", Self::Abc), ("hair", Self::Hair)];
 
-    /// The format of a file name's extension (lower case, without the dot).
+    /// The format of a file extension (lower case, without the dot).
     pub fn of_extension(extension: &str) -> Option<Self> {
         let extension = if extension == "usd" { Self::ALL[0].0 } else { extension };
         Self::ALL.into_iter().find(|(known, _)| *known == extension).map(|(_, format)| format)
@@ -87,23 +87,23 @@ impl Format {
     pub const EXTENSIONS: &str = ".usda, .usdc, .abc, .hair";
 }
 
-/// The number that files have for each curve of each group: the primvar `id`.
+/// The file's number for each curve of each group: the primvar `id`.
 ///
 /// # Errors
-/// None but those of numbering more curves than there are numbers.
-pub fn numbers(groups: &[Group]) -> Result<Vec<Vec<i32>>, FormatError> {
+/// More curves than there are numbers.
+pub fn numbers(groups: &[HairGroup]) -> Result<Vec<Vec<i32>>, FormatError> {
     let ids = FileIds::of(groups, &|| Ok(()))?;
     Ok((0..groups.len()).map(|nth| ids.of_group(nth)).collect())
 }
 
-/// Writes groups in a format. USD and Alembic hold the meshes of `heads` too. Whether somebody asks to stop is looked at from one attribute
-/// to the next while they are gathered; after that by `out`, which fails then.
+/// Writes groups in a format. USD and Alembic also hold the meshes of `heads`. Cancellation is checked between attributes while
+/// they are gathered; after that, `out` fails on cancellation.
 ///
 /// # Errors
-/// The output failed, somebody asked to stop, or the format cannot hold the groom; place and reason say what.
+/// The output failed, the export was cancelled, or the format cannot hold the groom; place and reason say what.
 pub fn write(
     format: Format,
-    groups: &[Group],
+    groups: &[HairGroup],
     heads: &[Arc<Scalp>],
     about: &About,
     out: &mut (impl Write + Seek),
@@ -113,10 +113,11 @@ pub fn write(
         return write_hair(groups, about, out);
     }
     let places = places(groups);
-    // Of all groups, so that every format has the same.
+    // For all groups, so that every format has the same.
     let ids = FileIds::of(groups, &|| go_on(is_cancelled))?;
-    let is_written = |group: &Group| format != Format::Abc || !is_left_out_of_abc(group, groups);
-    let stage = Stage {
+    let is_written =
+        |group: &HairGroup| format != Format::Abc || !is_left_out_of_abc(group, groups);
+    let stage = GroomStage {
         name: about.title.clone(),
         doc: format!("{}, made by {}", about.title, about.generator),
         generator: about.generator.clone(),
@@ -140,7 +141,7 @@ pub fn write(
     }
 }
 
-/// Names under which files hold declared attributes, where these are others than their own.
+/// File names of declared attributes that differ from their own.
 const FILE_NAMES: &[(&str, &str)] = &[
     (PARENT.name, "clumpId"),
     (ROOT_TRIANGLE.name, "skinprim"),
@@ -150,13 +151,12 @@ const FILE_NAMES: &[(&str, &str)] = &[
     (WIDTH.name, "widths"),
 ];
 
-/// The name under which files hold an attribute.
+/// The file name of an attribute.
 pub fn file_name(attribute: &str) -> &str {
     FILE_NAMES.iter().find(|(name, _)| *name == attribute).map_or(attribute, |(_, file)| file)
 }
 
-/// What files hold beside attributes, for readers of grooms, by Epic's schema "Alembic for Grooms": name, type, how many values
-/// there are, and what they mean.
+/// Data beside attributes for readers of grooms, by Epic's schema "Alembic for Grooms": name, type, interpolation and meaning.
 pub const ADDED: &[(&str, &str, &str, &str)] = &[
     ("groom_guide", "int", "constant", "1 for guides, 0 for hair."),
     (
@@ -177,17 +177,17 @@ pub const ADDED: &[(&str, &str, &str, &str)] = &[
     ("groom_color", "color3", "vertex", "`colour`, linear Rec.709. Alembic only."),
 ];
 
-/// The group of hair that curves belong to.
+/// The hair group of curves.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// From 0.
+pub struct HairGroupId {
+    /// Index, from 0.
     pub id: i32,
-    /// Its name, without control characters.
+    /// Name, without control characters.
     pub name: String,
 }
 
-/// The group of hair that each belongs to, as [`ADDED`] says. Unreal cannot hold guides without hair.
-pub fn places(groups: &[Group]) -> Vec<Place> {
+/// The hair group of each, as in [`ADDED`]. Unreal cannot hold guides without hair.
+pub fn places(groups: &[HairGroup]) -> Vec<HairGroupId> {
     let is_bald = groups.iter().all(|group| group.guides);
     let mut names: Vec<&str> = vec![];
     for group in groups.iter().filter(|group| is_bald || !group.guides) {
@@ -195,21 +195,26 @@ pub fn places(groups: &[Group]) -> Vec<Place> {
             names.push(&group.name);
         }
     }
-    let place = |group: &Group| {
+    let place = |group: &HairGroup| {
         let id = names.iter().position(|name| *name == group.name).unwrap_or(0);
-        Place { id: id as i32, name: names[id].replace(char::is_control, "_") }
+        HairGroupId { id: id as i32, name: names[id].replace(char::is_control, "_") }
     };
     groups.iter().map(place).collect()
 }
 
-/// Whether Alembic files leave this one of `groups` out: their readers would take lines of partings for guides. They stay where
+/// Whether Alembic files leave out this one of `groups`: their readers would take lines of partings for guides. They stay if
 /// there is nothing else.
-pub fn is_left_out_of_abc(group: &Group, groups: &[Group]) -> bool {
-    group.is_partings() && !groups.iter().all(Group::is_partings)
+pub fn is_left_out_of_abc(group: &HairGroup, groups: &[HairGroup]) -> bool {
+    group.is_partings() && !groups.iter().all(HairGroup::is_partings)
 }
 
-/// What is written beside the attributes of a group, but for names that it has attributes of.
-fn added<'c>(curves: &'c Curves, guides: bool, place: &Place, ids: &[i32]) -> Vec<Primvar<'c>> {
+/// Data written beside the attributes of a group, except under names that it has attributes of.
+fn added<'c>(
+    curves: &'c Curves,
+    guides: bool,
+    place: &HairGroupId,
+    ids: &[i32],
+) -> Vec<Primvar<'c>> {
     use Interpolation::{Constant, Uniform};
     let int = |value: i32| PrimvarValues::Int(vec![value].into());
     let mut added = vec![
@@ -236,8 +241,8 @@ fn go_on(is_cancelled: &dyn Fn() -> bool) -> Result<(), FormatError> {
 }
 
 fn curve_set<'c>(
-    group: &'c Group,
-    place: &Place,
+    group: &'c HairGroup,
+    place: &HairGroupId,
     (nth, ids): (usize, &FileIds),
     about: &About,
     is_cancelled: &dyn Fn() -> bool,
@@ -274,9 +279,9 @@ fn curve_set<'c>(
 }
 
 /// The mesh of a head.
-fn skin(head: &Scalp) -> Skin<'_> {
+fn skin(head: &Scalp) -> SkinMesh<'_> {
     let surface = head.surface();
-    Skin {
+    SkinMesh {
         name: "skin".into(),
         points: &surface.points,
         triangles: &surface.triangles,
@@ -284,10 +289,10 @@ fn skin(head: &Scalp) -> Skin<'_> {
     }
 }
 
-/// Name of the primvar that holds names of sections.
+/// Primvar with names of sections.
 pub const SECTION_NAME: &str = "section_name";
 
-/// What is written for lookdev beside attributes: name and meaning.
+/// Data written for lookdev beside attributes: name and meaning.
 pub const LOOKDEV: &[(&str, &str)] = &[
     (
         "pref",
@@ -301,7 +306,7 @@ pub const LOOKDEV: &[(&str, &str)] = &[
     (SECTION_NAME, "Name of the section that `section` is the number of; empty: none."),
 ];
 
-/// What is written for lookdev, but for names that the curves have attributes of.
+/// Data written for lookdev, except under names that the curves have attributes of.
 fn beside<'c>(curves: &'c Curves, sections: &BTreeMap<u64, String>) -> Vec<Primvar<'c>> {
     let rest = curves.tufts().iter().map(|t| t.points()).collect();
     let rest = (Interpolation::Vertex, PrimvarValues::Point(rest));
@@ -318,9 +323,9 @@ fn beside<'c>(curves: &'c Curves, sections: &BTreeMap<u64, String>) -> Vec<Primv
         .collect()
 }
 
-/// Melanin and redness of coloured curves, spread as their colours are; none where something else than pigment colours any.
+/// Melanin and redness of coloured curves, in the domain of their colours; `None` if any colour is not a pigment's.
 fn pigment(curves: &Curves) -> Option<(Interpolation, Vec<f32>, Vec<f32>)> {
-    /// Colours are this near to those of pigment where nothing else made them.
+    /// Distance within which a colour counts as that of a pigment.
     const NEAR: f32 = 2e-3;
     curves.tufts().iter().find(|t| t.attribute(a::COLOUR.name).is_some())?;
     let (how, colours) = values(curves, a::COLOUR.name, a::COLOUR.default);
@@ -336,7 +341,7 @@ fn pigment(curves: &Curves) -> Option<(Interpolation, Vec<f32>, Vec<f32>)> {
     Some((how, melanin, redness))
 }
 
-/// The section's name of each curve, where the curves know their sections and these have names.
+/// The section name of each curve, if the curves carry sections and these have names.
 fn section_names<'c>(
     curves: &Curves,
     sections: &BTreeMap<u64, String>,
@@ -374,7 +379,7 @@ fn mean_colour(curves: &Curves) -> Vec3 {
     if n > 0.0 { sum / n } else { a::COLOUR.default }
 }
 
-/// How the values of an attribute spread over the curves, and the values themselves. A tuft without it has `default`.
+/// The domain of an attribute over all curves, and its values. A tuft without it has `default`.
 fn values<'c, T: Item>(
     curves: &'c Curves,
     name: &str,
@@ -383,7 +388,7 @@ fn values<'c, T: Item>(
     let views = || curves.tufts().iter().map(|t| t.view_named::<T>(name));
     let mut shared = views().map(|view| match view {
         None => Some(default),
-        Some(View::Shared(one)) => Some(one),
+        Some(AttributeView::Shared(one)) => Some(one),
         Some(_) => None,
     });
     let first = shared.next().flatten();
@@ -392,28 +397,28 @@ fn values<'c, T: Item>(
     {
         return (Interpolation::Constant, vec![first].into());
     }
-    if views().any(|view| matches!(view, Some(View::Point(_)))) {
+    if views().any(|view| matches!(view, Some(AttributeView::Point(_)))) {
         return (Interpolation::Vertex, spread(curves, name, default));
     }
     let mut chunks = Chunks::new();
     for tuft in curves.tufts() {
         match tuft.view_named::<T>(name) {
-            Some(View::Curve(all)) => chunks.push(all),
-            Some(View::Shared(one)) => chunks.push(vec![one; tuft.len()]),
+            Some(AttributeView::Curve(all)) => chunks.push(all),
+            Some(AttributeView::Shared(one)) => chunks.push(vec![one; tuft.len()]),
             _ => chunks.push(vec![default; tuft.len()]),
         }
     }
     (Interpolation::Uniform, chunks)
 }
 
-/// One value for each point, whatever the attribute's domain.
+/// One value per CV, for an attribute of any domain.
 fn spread<'c, T: Item>(curves: &'c Curves, name: &str, default: T) -> Chunks<'c, T> {
     let mut chunks = Chunks::new();
     for tuft in curves.tufts() {
         match tuft.view_named::<T>(name) {
-            Some(View::Point(all)) => chunks.push(all),
-            Some(View::Shared(one)) => chunks.push(vec![one; tuft.points().len()]),
-            Some(View::Curve(all)) => chunks.push(
+            Some(AttributeView::Point(all)) => chunks.push(all),
+            Some(AttributeView::Shared(one)) => chunks.push(vec![one; tuft.points().len()]),
+            Some(AttributeView::Curve(all)) => chunks.push(
                 (0..tuft.len())
                     .flat_map(|i| std::iter::repeat_n(all[i], tuft.range(i).len()))
                     .collect::<Vec<T>>(),
@@ -429,7 +434,7 @@ fn primvar<'c>(curves: &'c Curves, name: &str, own: &[i32], ids: &FileIds) -> Op
     let of = |interpolation, values| {
         Some(Primvar { name: file_name(name).to_owned(), interpolation, values })
     };
-    // What all curves have as they would without it says nothing.
+    // An attribute that is at its default everywhere is not written.
     if name != a::COLOUR.name && a::DECLARED.iter().any(|(declared, ..)| *declared == name) {
         let default = a::default_of(name, &sample.values);
         let says_nothing = |tuft: &Arc<Tuft>| match tuft.attribute(name) {
@@ -473,15 +478,19 @@ fn primvar<'c>(curves: &'c Curves, name: &str, own: &[i32], ids: &FileIds) -> Op
     }
 }
 
-/// What curves without the attribute have.
+/// Default of a curve without the attribute.
 fn missing<T: Item>(name: &str, like: &Column) -> Option<T> {
     T::values(&a::default_of(name, like))?.first().copied()
 }
 
-fn write_hair(groups: &[Group], about: &About, out: &mut impl Write) -> Result<(), FormatError> {
-    // One set in the format: guides are left out when there is hair, for nothing could tell them apart.
+fn write_hair(
+    groups: &[HairGroup],
+    about: &About,
+    out: &mut impl Write,
+) -> Result<(), FormatError> {
+    // One set for the format: guides are left out if there is hair, since nothing could tell them apart.
     let hair = groups.iter().filter(|g| !g.guides);
-    let chosen: Vec<&Group> =
+    let chosen: Vec<&HairGroup> =
         if hair.clone().next().is_some() { hair.collect() } else { groups.iter().collect() };
     let merged =
         Curves::new(chosen.iter().flat_map(|g| g.curves.tufts().iter().cloned()).collect());
@@ -532,7 +541,7 @@ mod tests {
             }
             let curves = Curves::new(vec![Arc::new(b.build())]);
             let group =
-                |name: &str| Group { name: name.into(), guides: false, curves: curves.clone() };
+                |name: &str| HairGroup { name: name.into(), guides: false, curves: curves.clone() };
             let about = About {
                 title: "all".into(),
                 generator: "test".into(),
@@ -566,7 +575,7 @@ mod tests {
         let mut b = TuftBuilder::even((0..6).map(|k| Vec3::Y * k as f32).collect(), 3);
         b.set(ROOT_UV, Domain::Curve, vec![Vec2::X, Vec2::Y]);
         b.set(a::COLOUR, Domain::Curve, vec![Vec3::X]);
-        let group = |b: TuftBuilder| Group {
+        let group = |b: TuftBuilder| HairGroup {
             name: "a\0b".into(),
             guides: false,
             curves: Curves::new(vec![Arc::new(b.build())]),
@@ -578,7 +587,7 @@ mod tests {
             seed: 0,
             sections: BTreeMap::new(),
         };
-        let written = |format: Format, group: &Group| {
+        let written = |format: Format, group: &HairGroup| {
             let mut file = std::io::Cursor::new(vec![]);
             write(format, std::slice::from_ref(group), &[], &about, &mut file, &|| false).unwrap();
             let bytes = file.into_inner();

@@ -1,43 +1,44 @@
-//! Ids as files hold them: 31 bits, every curve's its own over the whole file.
+//! Ids in files: 31 bits, unique over the whole file.
 //!
 //! Guarantees: guides keep their ids, and hair has none that another curve has or that names what hair was made from (`clumpId`), so
 //! a `clumpId` is never the id of hair. Who gets another, and which, is told as where lots are merged (`data/ids.rs`). What is one id in
 //! the graph is one number in all prims of the file. Guides without an id, or with that of another guide, get new ones, too.
 //!
-//! Not promised: the same number in another file, where another curve has it.
+//! Not promised: the same number in another file, where another curve may have it.
 
 use super::FormatError;
-use super::export::Group;
+use super::export::HairGroup;
 use crate::data::attributes::PARENT;
 use crate::data::curves::Curves;
 use crate::data::ids::renewed;
 use std::collections::BTreeSet;
 
-/// The numbers of all ids of a file.
+/// The file numbers of all ids.
 pub(super) struct FileIds {
-    /// Full ids of curves and of what they were made from, rising, and their numbers.
+    /// Full ids of curves and of their parents, ascending, and their numbers.
     numbers: Vec<(u64, i32)>,
     /// The full id of each curve, group after group.
     of_groups: Vec<Vec<u64>>,
 }
 
 impl FileIds {
-    /// Those of a file of these groups.
+    /// The ids of a file with these groups.
     ///
     /// # Errors
-    /// What `go_on` gives, which is asked now and then.
+    /// The result of `go_on`, which is polled now and then.
     pub(super) fn of(
-        groups: &[Group],
+        groups: &[HairGroup],
         go_on: &dyn Fn() -> Result<(), FormatError>,
     ) -> Result<Self, FormatError> {
-        let ids = |group: &Group| group.curves.each().map(|(t, i)| t.id(i)).collect::<Vec<u64>>();
+        let ids =
+            |group: &HairGroup| group.curves.each().map(|(t, i)| t.id(i)).collect::<Vec<u64>>();
         let mut of_groups: Vec<Vec<u64>> = groups.iter().map(ids).collect();
         go_on()?;
         let is_guides = |g: &usize| groups[*g].guides;
         let (guides, hair): (Vec<usize>, Vec<usize>) = (0..groups.len()).partition(is_guides);
         let mut all: Vec<u64> = guides.iter().flat_map(|g| of_groups[*g].iter().copied()).collect();
         let kept: BTreeSet<u64> = all.iter().copied().collect();
-        // What hair was made from has its name already, whether it is in the file or not.
+        // Parents have their numbers already, whether they are in the file or not.
         let mut reserved: Vec<u64> =
             groups.iter().flat_map(|group| parents(&group.curves)).collect();
         reserved.sort_unstable();
@@ -61,12 +62,12 @@ impl FileIds {
         Ok(Self { numbers: numbers(&all, reserved_at.end), of_groups })
     }
 
-    /// Numbers of the curves of a group, one each.
+    /// The number of each curve of a group.
     pub(super) fn of_group(&self, group: usize) -> Vec<i32> {
         self.of_groups[group].iter().map(|id| self.number(*id)).collect()
     }
 
-    /// The number of any id: of a curve or of what it was made from, or of something else, such as a braid.
+    /// The number of any id: of a curve, a parent, or something else, such as a braid.
     pub(super) fn number(&self, id: u64) -> i32 {
         match self.numbers.binary_search_by(|one| one.0.cmp(&id)) {
             Ok(at) => self.numbers[at].1,
@@ -75,7 +76,7 @@ impl FileIds {
     }
 }
 
-/// Ids of what the curves were made from; often the same again and again.
+/// Ids of the curves' parents; often repeated.
 fn parents(curves: &Curves) -> Vec<u64> {
     let mut parents: Vec<u64> = vec![];
     for (tuft, i) in curves.each() {
@@ -87,8 +88,8 @@ fn parents(curves: &Curves) -> Vec<u64> {
     parents
 }
 
-/// The number of each id, rising by id: its folded form, or the next free number where another has that. Of those that fold to one,
-/// the first `kept` ids keep it before the others, and then the smaller one.
+/// The number of each id, ascending by id: its folded form, or the next free number if that is taken. Of ids that fold to one
+/// number, the first `kept` ids keep it before the others, then the smaller one.
 fn numbers(ids: &[u64], kept: usize) -> Vec<(u64, i32)> {
     let order = ids.iter().enumerate().map(|(at, id)| (fold(*id), at >= kept, *id));
     let mut order: Vec<(i32, bool, u64)> = order.collect();
@@ -96,7 +97,7 @@ fn numbers(ids: &[u64], kept: usize) -> Vec<(u64, i32)> {
     let mut taken: Option<BTreeSet<i32>> = None;
     let mut numbers: Vec<(u64, i32)> = Vec::with_capacity(order.len());
     for same in order.chunk_by(|a, b| a.0 == b.0) {
-        // Of those of one number, below the last that was given nothing is free.
+        // Below the last number given to ids of one fold, none is free.
         let mut free = same[0].0;
         for (nth, (folded, _, id)) in same.iter().enumerate() {
             if nth == 0 {
@@ -115,7 +116,7 @@ fn numbers(ids: &[u64], kept: usize) -> Vec<(u64, i32)> {
     numbers
 }
 
-/// A stable id in the 31 bits that `int` primvars have. 0, which means none, stays 0, and nothing else becomes it.
+/// A stable id in the 31 bits of an `int` primvar. 0, which means none, stays 0, and nothing else becomes 0.
 fn fold(id: u64) -> i32 {
     let folded = ((id ^ (id >> 33)) & 0x7FFF_FFFF) as i32;
     if id == 0 { 0 } else { folded.max(1) }
@@ -129,17 +130,17 @@ mod tests {
     use glam::Vec3;
 
     /// A group of curves with these ids, made from those.
-    fn group(guides: bool, ids: &[u64], made_from: &[u64]) -> Group {
+    fn group(guides: bool, ids: &[u64], made_from: &[u64]) -> HairGroup {
         let mut b = TuftBuilder::new();
         ids.iter().for_each(|_| b.push_curve(&[Vec3::ZERO, Vec3::Y]));
         b.set(ID, Domain::Curve, ids.to_vec());
         b.set(PARENT, Domain::Curve, made_from.to_vec());
-        Group { name: "a".into(), guides, curves: Curves::new(vec![b.build().into()]) }
+        HairGroup { name: "a".into(), guides, curves: Curves::new(vec![b.build().into()]) }
     }
 
     /// Numbers of each group's curves. Whatever goes in, no number is there twice, and none of hair is a clump's.
     #[track_caller]
-    fn numbers_of(groups: &[Group]) -> Vec<Vec<i32>> {
+    fn numbers_of(groups: &[HairGroup]) -> Vec<Vec<i32>> {
         let ids = FileIds::of(groups, &|| Ok(())).unwrap();
         let all: Vec<Vec<i32>> = (0..groups.len()).map(|g| ids.of_group(g)).collect();
         let each: BTreeSet<i32> = all.iter().flatten().copied().collect();
@@ -191,7 +192,7 @@ mod tests {
         let group = group(false, &none, &none);
         let curves = Curves::new((*group.curves.tufts()[0]).clone().split());
         // Each searched from 0 on for a free number, which was 5,000,000,000 looks.
-        numbers_of(&[Group { curves, ..group }]);
+        numbers_of(&[HairGroup { curves, ..group }]);
         assert_eq!(numbers(&vec![1 << 31; n], 0).last().unwrap().1, n as i32);
     }
 

@@ -1,4 +1,4 @@
-//! glTF 2.0 meshes in: `.gltf` and `.glb`, told apart by their first bytes.
+//! Reading glTF 2.0 meshes: `.gltf` and `.glb`, distinguished by their first bytes.
 //!
 //! Reads the meshes of the default scene with the transforms of their nodes: triangles, strips and
 //! fans, uvs, vertex colours, names of materials and of nodes. Skins are evaluated at the pose that
@@ -29,17 +29,17 @@ mod scene;
 mod skin;
 
 use super::mesh_in::limits::{Budget, excerpt};
-use super::mesh_in::{Names, Side, Weld, finish};
+use super::mesh_in::{NameTable, Side, Weld, finish};
 use crate::data::mesh::{Mesh, MeshError};
 use buffers::Buffers;
 use glam::Vec2;
-use json::{Doc, Value};
+use json::{Doc, JsonValue};
 pub(super) use looks::read_looks;
-use primitive::{Primitive, Shape};
-use scene::{Draw, Plan};
+use primitive::{Primitive, PrimitiveKind};
+use scene::{Draw, SceneSource};
 use skin::Skins;
 
-/// Extensions a file may require without our help: none of them moves or hides a triangle.
+/// Extensions that a file may require and that need no support: none of them moves or hides a triangle.
 const HARMLESS: &[&str] = &[
     "KHR_materials_",
     "KHR_texture_",
@@ -51,10 +51,10 @@ const HARMLESS: &[&str] = &[
     "KHR_animation_pointer",
 ];
 
-/// Extensions we follow.
+/// Supported extensions.
 const KNOWN: &[&str] = &["KHR_mesh_quantization", "KHR_node_visibility"];
 
-/// Reads a `.gltf` or `.glb`; `side` gives the bytes of files beside it, by relative name.
+/// Reads a `.gltf` or `.glb`; `side` returns the bytes of files beside it, by relative name.
 ///
 /// Errors name the byte of the container, line and column of the JSON, or the object, as in
 /// `accessors[3]`.
@@ -62,12 +62,12 @@ pub fn read(bytes: &[u8], side: Side) -> Result<Mesh, MeshError> {
     read_as(bytes, side, Take::default())
 }
 
-/// What is read where there are several.
+/// What to read where a file has several.
 #[derive(Clone, Copy, Debug, Default)]
 struct Take {
     /// The set of uvs.
     uv_set: u32,
-    /// Materials go by their numbers instead of their names, of which some may be the same.
+    /// Whether materials are identified by number instead of name, since names may repeat.
     numbered: bool,
 }
 
@@ -87,11 +87,11 @@ fn read_as(bytes: &[u8], side: Side, take: Take) -> Result<Mesh, MeshError> {
         mesh: Mesh { cm_per_unit: Some(100.0), ..Mesh::default() },
         uvs: Vec::new(),
         colours: Default::default(),
-        materials: Names::default(),
-        parts: Names::default(),
+        materials: NameTable::default(),
+        parts: NameTable::default(),
     };
-    // The scene, or what stands in for it where it shows no triangle.
-    for plan in Plan::of(&tables)? {
+    // The scene, or a substitute if it has no triangles.
+    for plan in SceneSource::of(&tables)? {
         let mut total = Total::default();
         scene::walk(&tables, plan, &mut |draw| total.add(&tables, draw, &mut budget))?;
         if total.triangles == 0 {
@@ -106,13 +106,13 @@ fn read_as(bytes: &[u8], side: Side, take: Take) -> Result<Mesh, MeshError> {
     Err(MeshError::at("file", format!("no triangles in its {n} meshes")))
 }
 
-/// The files beside a `.gltf` that [`read`] may ask for: its buffers, not its pictures. Relative
-/// names, each once; none where the bytes are no glTF, and none that [`read`] would refuse.
+/// The files beside a `.gltf` that [`read`] may ask for: its buffers, not its pictures. Relative names, without duplicates; none
+/// if the bytes are no glTF, and none that [`read`] would refuse.
 pub fn side_files(bytes: &[u8]) -> Vec<String> {
     let Ok(parts) = glb::split(bytes) else { return Vec::new() };
     let Ok(doc) = Doc::parse(parts.json, &mut Budget::new(bytes.len())) else { return Vec::new() };
-    let buffers = doc.root().get("buffers").into_iter().flat_map(Value::items);
-    let uris = buffers.filter_map(|buffer| buffer.get("uri").and_then(Value::text));
+    let buffers = doc.root().get("buffers").into_iter().flat_map(JsonValue::items);
+    let uris = buffers.filter_map(|buffer| buffer.get("uri").and_then(JsonValue::text));
     let mut names: Vec<String> =
         uris.filter(|uri| !buffers::is_data(uri)).flat_map(buffers::side_name).collect();
     names.sort_unstable();
@@ -122,14 +122,14 @@ pub fn side_files(bytes: &[u8]) -> Vec<String> {
 
 fn refuse_other_versions(doc: &Doc) -> Result<(), MeshError> {
     let asset = doc.root().get("asset");
-    let Some(version) = asset.and_then(|a| a.get("version")).and_then(Value::text) else {
+    let Some(version) = asset.and_then(|a| a.get("version")).and_then(JsonValue::text) else {
         return Err(MeshError::at("asset.version", "it is missing: this is not glTF 2.0"));
     };
     if !version.starts_with("2.") {
         let reason = format!("glTF {}, where only 2.0 is read", excerpt(version.as_bytes()));
         return Err(MeshError::at("asset.version", reason));
     }
-    match asset.and_then(|a| a.get("minVersion")).and_then(Value::text) {
+    match asset.and_then(|a| a.get("minVersion")).and_then(JsonValue::text) {
         Some(least) if least != "2.0" => {
             let reason = format!("glTF {}, where only 2.0 is read", excerpt(least.as_bytes()));
             Err(MeshError::at("asset.minVersion", reason))
@@ -140,7 +140,7 @@ fn refuse_other_versions(doc: &Doc) -> Result<(), MeshError> {
 
 fn refuse_extensions(doc: &Doc) -> Result<(), MeshError> {
     let Some(required) = doc.root().get("extensionsRequired") else { return Ok(()) };
-    for name in required.items().filter_map(Value::text) {
+    for name in required.items().filter_map(JsonValue::text) {
         if KNOWN.contains(&name) || HARMLESS.iter().any(|start| name.starts_with(start)) {
             continue;
         }
@@ -154,7 +154,7 @@ fn unread_extension(place: &str, name: &str) -> MeshError {
     MeshError::at(place, format!("{name} is not read: export the mesh without it"))
 }
 
-/// The arrays of the document that others refer into by number.
+/// Arrays of the document whose items are referred to by index.
 #[derive(Debug)]
 struct Tables<'a> {
     doc: &'a Doc<'a>,
@@ -187,7 +187,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// Where each item of an array stands in the document.
+/// Position of each item of an array in the document.
 #[derive(Debug)]
 struct Table<'a> {
     doc: &'a Doc<'a>,
@@ -204,7 +204,7 @@ impl<'a> Table<'a> {
         let n = array.items().count();
         budget.take(key, 4 * n as u64)?;
         let mut at = Vec::with_capacity(n);
-        at.extend(array.items().map(Value::at));
+        at.extend(array.items().map(JsonValue::at));
         Ok(Self { doc, key, at })
     }
 
@@ -212,8 +212,8 @@ impl<'a> Table<'a> {
         self.at.len()
     }
 
-    /// An item, which something at `from` refers to.
-    fn item(&self, number: u32, from: &str) -> Result<Value<'a>, MeshError> {
+    /// An item that something at `from` refers to.
+    fn item(&self, number: u32, from: &str) -> Result<JsonValue<'a>, MeshError> {
         let key = self.key;
         let Some(at) = self.at.get(number as usize) else {
             let n = self.at.len();
@@ -222,7 +222,7 @@ impl<'a> Table<'a> {
                 format!("it names {key}[{number}], where there are {n}"),
             ));
         };
-        let item = Value::of(self.doc, *at);
+        let item = JsonValue::of(self.doc, *at);
         if !item.is_object() {
             let reason = format!("{} is no object", item.shown());
             return Err(MeshError::at(format!("{key}[{number}]"), reason));
@@ -231,8 +231,13 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A whole number from 0; `default` where it may be missing.
-fn whole_or(object: Value, key: &str, default: Option<u64>, place: &str) -> Result<u64, MeshError> {
+/// A non-negative integer; `default` if it is optional and missing.
+fn whole_or(
+    object: JsonValue,
+    key: &str,
+    default: Option<u64>,
+    place: &str,
+) -> Result<u64, MeshError> {
     match (object.get(key), default) {
         (Some(value), _) => value.whole().ok_or_else(|| {
             MeshError::at(format!("{place}.{key}"), format!("{} is no count", value.shown()))
@@ -242,8 +247,8 @@ fn whole_or(object: Value, key: &str, default: Option<u64>, place: &str) -> Resu
     }
 }
 
-/// The number of another object, or nothing where none is named.
-fn index_or(object: Value, key: &str, place: &str) -> Result<Option<u32>, MeshError> {
+/// The index of another object, or `None`.
+fn index_or(object: JsonValue, key: &str, place: &str) -> Result<Option<u32>, MeshError> {
     let Some(value) = object.get(key) else { return Ok(None) };
     let index = value.whole().and_then(|n| u32::try_from(n).ok());
     let wrong =
@@ -251,12 +256,12 @@ fn index_or(object: Value, key: &str, place: &str) -> Result<Option<u32>, MeshEr
     Ok(Some(index.ok_or_else(wrong)?))
 }
 
-/// A name that is not empty.
-fn name_of(object: Value<'_>) -> Option<&str> {
-    object.get("name").and_then(Value::text).filter(|name| !name.is_empty())
+/// A non-empty name.
+fn name_of(object: JsonValue<'_>) -> Option<&str> {
+    object.get("name").and_then(JsonValue::text).filter(|name| !name.is_empty())
 }
 
-/// How much there will be of everything, before any of it is allocated.
+/// Counts everything before any of it is allocated.
 #[derive(Debug, Default)]
 struct Total {
     points: u64,
@@ -267,16 +272,16 @@ struct Total {
 
 impl Total {
     fn add(&mut self, tables: &Tables, draw: &Draw, budget: &mut Budget) -> Result<(), MeshError> {
-        budget.take(&draw.place, Names::memory(draw.name.len()))?;
+        budget.take(&draw.place, NameTable::memory(draw.name.len()))?;
         for name in &draw.also {
             budget.take(&draw.place, 32 + name.len() as u64)?;
         }
         for primitive in Primitive::all(tables, draw.mesh)? {
-            // About what a primitive costs even where nothing has to be walked over.
+            // Approximate cost of a primitive that needs no decoding.
             tables.doc.tire(20)?;
-            let Shape::Triangles(primitive) = primitive? else { continue };
+            let PrimitiveKind::Triangles(primitive) = primitive? else { continue };
             if let Some((_, name)) = &primitive.material {
-                budget.take(&draw.place, Names::memory(name.map_or(0, str::len)))?;
+                budget.take(&draw.place, NameTable::memory(name.map_or(0, str::len)))?;
             }
             self.points = self.points.saturating_add(primitive.n_points());
             self.triangles = self.triangles.saturating_add(primitive.n_triangles());
@@ -322,8 +327,8 @@ struct Reader<'r, 'a> {
     mesh: Mesh,
     uvs: Vec<[Vec2; 3]>,
     colours: [Vec<f32>; 3],
-    materials: Names,
-    parts: Names,
+    materials: NameTable,
+    parts: NameTable,
 }
 
 impl<'a> Reader<'_, 'a> {
@@ -351,12 +356,12 @@ impl<'a> Reader<'_, 'a> {
         self.notes.instanced += usize::from(draw.instanced);
         for primitive in Primitive::all(self.tables, draw.mesh)? {
             let primitive = match primitive? {
-                Shape::Triangles(primitive) => primitive,
-                Shape::Other => {
+                PrimitiveKind::Triangles(primitive) => primitive,
+                PrimitiveKind::Other => {
                     self.notes.lines_and_points += 1;
                     continue;
                 }
-                Shape::NoPosition => {
+                PrimitiveKind::NoPosition => {
                     self.notes.without_position += 1;
                     continue;
                 }
@@ -383,7 +388,7 @@ impl<'a> Reader<'_, 'a> {
         Ok(())
     }
 
-    fn into_mesh(self, plan: Plan) -> Result<Mesh, MeshError> {
+    fn into_mesh(self, plan: SceneSource) -> Result<Mesh, MeshError> {
         let Self { mut mesh, notes, .. } = self;
         if !self.uvs.is_empty() {
             mesh.uvs = Some(self.uvs);

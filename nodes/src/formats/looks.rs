@@ -38,9 +38,9 @@ pub struct Material {
     /// Linear base colour, 0 to 1, by which the colour map is multiplied; none where the file gives none, or plain white.
     pub colour: Option<Vec3>,
     /// The map of its base colour, sRGB.
-    pub colour_map: Option<Map>,
+    pub colour_map: Option<TextureMap>,
     /// The map of its normals in tangent space, green up.
-    pub normal_map: Option<Map>,
+    pub normal_map: Option<TextureMap>,
     /// How far the normal map tilts: its red and green are multiplied by this.
     pub normal_scale: f32,
     /// What of the colour map is less opaque than this is not there; 0 where all of it is.
@@ -57,7 +57,7 @@ impl Material {
 
 /// How a picture is laid onto triangles.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Map {
+pub struct TextureMap {
     /// The picture's number.
     pub picture: usize,
     /// Which set of uvs it lies by: 0 is the mesh's own, others are in [`Looks::uvs`].
@@ -65,7 +65,7 @@ pub struct Map {
     /// From uvs, v up, to the picture: 0 to 1 from the left and from the top.
     pub picture_from_uv: Affine2,
     /// Beyond the left and right, and beyond the top and bottom.
-    pub wrap: [Wrap; 2],
+    pub wrap: [TextureWrap; 2],
     /// Whether pixels stay hard squares.
     pub nearest: bool,
     /// Whether it has to be found out from its pixels if it is a map of normals or of heights.
@@ -74,7 +74,7 @@ pub struct Map {
 
 /// What lies beyond the edge of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wrap {
+pub enum TextureWrap {
     /// The picture again.
     Repeat,
     /// Its mirror image.

@@ -13,7 +13,7 @@ mod names;
 mod polygon;
 mod weld;
 
-pub(super) use names::{NAMELESS, Names};
+pub(super) use names::{NAMELESS, NameTable};
 pub(super) use polygon::Clipper;
 pub(super) use weld::{Weld, finish};
 pub(super) const WELD_BYTES_PER_POINT: u64 = weld::BYTES_PER_POINT;

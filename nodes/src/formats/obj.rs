@@ -20,11 +20,11 @@ mod lines;
 mod looks;
 
 use super::mesh_in::limits::{Budget, excerpt};
-use super::mesh_in::{Clipper, NAMELESS, Names, Weld, finish};
+use super::mesh_in::{Clipper, NAMELESS, NameTable, Weld, finish};
 use crate::data::mesh::{Mesh, MeshError};
 use count::{Count, no_triangles};
 use glam::{Vec2, Vec3};
-use lines::{Lines, split_keyword, words};
+use lines::{TextLines, split_keyword, words};
 pub(super) use looks::read_looks;
 
 /// Corners a face may have. Larger ones come from no modeller, and one face is cut in memory that
@@ -49,7 +49,7 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, MeshError> {
     budget.take("file", count.memory(bytes.len()))?;
 
     let mut reader = Reader::new(&count);
-    let mut lines = Lines::new(text);
+    let mut lines = TextLines::new(text);
     while let Some((line, text)) = lines.next() {
         match split_keyword(text) {
             (b"v", rest) => reader.read_point(line, rest)?,
@@ -57,7 +57,7 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, MeshError> {
             _ => {}
         }
     }
-    let mut lines = Lines::new(text);
+    let mut lines = TextLines::new(text);
     while let Some((line, text)) = lines.next() {
         match split_keyword(text) {
             (b"v", _) => reader.n_points_above += 1,
@@ -99,7 +99,7 @@ struct Corner {
 struct Current {
     name: String,
     number: Option<u32>,
-    names: Names,
+    names: NameTable,
     number_of: Vec<u32>,
 }
 

@@ -1,15 +1,14 @@
-//! One curve whose readings differ, given points through which they agree.
+//! Repair of one curve whose readings differ: gives it CVs through which they agree.
 //!
-//! What is tried, in turn until they agree: points with chords alike; the same moved out of the skin as a whole, so that
-//! chords stay alike where pushing each point would make them uneven; both once more after the curve is led round what tears
-//! it. Of those that move it as a whole the first is taken that leaves it near where it was ([`NEARBY`]), else the one that
-//! leaves it nearest: a hair that a fold has thrown across the forehead is seen, though its readings agree. What is barred, such
-//! as a way over a parting, is not taken.
+//! Tried in turn until they agree: CVs with equal chords; the same, moved out of the skin as a whole, which keeps chords equal
+//! where pushing single CVs would not; both again after the curve is routed around what tears it. Of the results that move the
+//! curve as a whole, the first that stays near its place ([`NEARBY`]) is taken, else the one that stays nearest: a hair that a
+//! fold throws across the forehead is visible, though its readings agree. Barred results, such as those that cross a parting, are
+//! not taken.
 //!
-//! Guarantees: the root stays, and the tip but for curves that are moved as a whole, whose tips go along; no other point is
-//! deeper in the skin than allowed by more than [`NEAR`] cm; no more is tried than its [`Allowance`] allows, counted in points
-//! and not by a clock, so that the result is the same everywhere. Not promised: that readings agree at the end, which
-//! [`Read::left`] tells.
+//! Guarantees: the root stays, and the tip too except on curves that are moved as a whole; no other CV is deeper in the skin than
+//! allowed by more than [`NEAR`] cm; work is limited by an [`Allowance`] in CVs, not in time, so that the result is the same
+//! everywhere. Not promised: that readings agree at the end; see [`Read::left`].
 
 use super::conform::Effort;
 use crate::data::curves::MOST_A_CURVE;
@@ -18,64 +17,63 @@ use crate::data::route::makers::{clear, clear_beyond, lift, way_out};
 use crate::data::route::skin_clear::Torn;
 use crate::data::scalp::Skin;
 use crate::maths::catmull_rom_agreement::{AGREE, each_span, readings_agree, readings_differ};
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
 use std::cell::Cell;
 
-/// How many times as many segments a resampled curve is given, in turn.
+/// Factors of the number of segments of a resampled curve, in the order tried.
 const FINER: [f32; 2] = [1.0, 1.25];
-/// How many times as many one is given that is moved out of the skin as a whole.
+/// Factors for a curve that is moved out of the skin as a whole.
 const MOVED_FINER: [f32; 3] = [1.0, 2.0, 4.0];
-/// From what on a curve is led round what the skin tears it at, in turn.
+/// How torn a curve must be to be routed around the skin, in the order tried.
 const LEADS: [Torn; 2] = [Torn::APART, Torn::UNEVEN];
-/// How often a curve is moved out as a whole and made even again.
+/// Largest number of times a curve is moved out as a whole and evened again.
 const MOVES: usize = 40;
-/// How it is moved, in turn: so that it stays near what it was and, where that finds no way, harder.
+/// Manners of moving, in the order tried: close to the curve first, then harder.
 const MANNERS: [Manner; 3] = [
     Manner { growth: 0.3, hard: false },
     Manner { growth: 0.1, hard: true },
     Manner { growth: 1.0, hard: true },
 ];
 
-/// How what is too deep is moved out of the skin.
+/// How CVs that are too deep are moved out of the skin.
 #[derive(Clone, Copy)]
 struct Manner {
-    /// By so many times as much more each time.
+    /// Growth of the move per round, as a fraction.
     growth: f32,
-    /// Whether neighbours that would leave a thin part of the skin to both sides go round its edge together, and what is clear
-    /// of the skin and read differently still is eased.
+    /// Whether neighbours on both sides of a thin part move around its edge together, and spans that are clear of the skin but
+    /// read differently are smoothed.
     hard: bool,
 }
 
-/// What is too deep is moved by at most so many times as much as it has to be, and so much farther (cm).
+/// Limit of a move: this multiple of the required distance, plus this distance (cm).
 const FARTHEST: (f32, f32) = (12.0, 0.5);
-/// A moved curve is near what it was where no point has gone farther than so many times what the deepest one had to go to be
-/// clear of the skin, and so many cm.
+/// A moved curve is near its place if no CV has moved farther than this multiple of the largest distance required to clear the
+/// skin, plus this distance (cm).
 const NEARBY: (f32, f32) = (1.5, 0.2);
-/// So much (cm) deeper than allowed is let pass: half of what the law on depth lets pass.
+/// Depth beyond the allowed one that is tolerated, cm: half of what the law on depth tolerates.
 const NEAR: f32 = 5e-4;
-/// Rounds in which chords are made alike.
+/// Rounds of equalising chords.
 const ROUNDS: usize = 16;
-/// Rounds after which they are made so at half the pace: where a curve turns by a right angle from point to point, a full
-/// step oversteps.
+/// Number of rounds after which steps are halved: where a curve turns by a right angle from CV to CV, full steps overshoot.
 const QUICK: usize = 8;
-/// Rounds without a better one after which it is given up: in the air, and where the skin has a say, whose leaps no round mends.
+/// Rounds without improvement after which equalising stops: in the air, and where the skin moves CVs, whose jumps no round mends.
 const STALE: usize = 5;
 const STALE_ON_SKIN: usize = 2;
-/// Chords within this ratio are alike.
+/// Ratio of chords that counts as equal.
 const ALIKE: f32 = 1.01;
 
-/// To ask the skin about a point costs as much as so many that are only placed.
+/// Cost of querying the skin at a point, relative to placing a CV.
 const ASKED: u64 = 8;
-/// To push one out of the skin costs as much as so many.
+/// Cost of pushing a point out of the skin, relative to placing a CV.
 const PUSHED: u64 = 100;
-/// What it costs to lead a curve round what tears it, in points placed: ways through the air are looked for.
+/// Cost of routing a curve around what tears it, relative to placing a CV; it searches paths through the air.
 const LED: u64 = 15_000;
 
-/// What a look at the skin costs, in points placed.
+/// Cost of a query in a search for a way out, relative to placing a CV.
 const LOOK: u64 = 20;
 
-/// How much may be tried yet, in points placed, and how often the skin may be looked at for a way out of it.
+/// Remaining budget: CVs to place, and queries of searches for a way out of the skin.
 pub(super) struct Allowance<'a> {
     most: u64,
     left: Cell<u64>,
@@ -84,30 +82,30 @@ pub(super) struct Allowance<'a> {
 }
 
 impl<'a> Allowance<'a> {
-    /// Of so many points, and as many looks at the skin as cost as much; it ends at once when somebody asks to stop.
+    /// A budget of `most` CVs, and the queries that cost as much. It is spent at once on cancellation.
     pub(super) fn new(most: u64, is_cancelled: &'a dyn Fn() -> bool) -> Self {
         Self { most, left: Cell::new(most), looks: Patience::new(most / LOOK), is_cancelled }
     }
-    /// Of any number of points, and so many looks at the skin.
+    /// A budget of unlimited CVs and `looks` queries.
     pub(super) fn of_looks(looks: u64, is_cancelled: &'a dyn Fn() -> bool) -> Self {
         Self { most: 0, left: Cell::new(u64::MAX), looks: Patience::new(looks), is_cancelled }
     }
-    /// What is left.
+    /// Remaining CVs.
     pub(super) fn left(&self) -> u64 {
         self.left.get()
     }
-    /// What the looks at the skin have cost, in points placed, of those that came with the points.
+    /// Cost, in CVs, of the queries spent of those that came with the CVs.
     pub(super) fn looked(&self) -> u64 {
         LOOK * (self.most / LOOK).saturating_sub(self.looks.left())
     }
-    /// The looks at the skin that are left.
+    /// Remaining queries.
     pub(super) fn looks(&self) -> &Patience {
         &self.looks
     }
     pub(super) fn is_out(&self) -> bool {
         self.left.get() == 0
     }
-    /// Takes something off; whether there is patience for it.
+    /// Spends `points` CVs; returns whether any remain.
     fn has(&self, points: u64) -> bool {
         self.left.set(if (self.is_cancelled)() {
             0
@@ -118,26 +116,26 @@ impl<'a> Allowance<'a> {
     }
 }
 
-/// Points that stand for a curve.
+/// CVs that represent a curve.
 #[derive(Clone, Default)]
 pub(super) struct Read {
-    /// How much their readings differ, cm.
+    /// Largest distance between their readings, cm.
     pub(super) left: f32,
     pub(super) points: Vec<Vec3>,
-    /// Where they lie on the curve as it was: arc length and place.
-    pub(super) stops: Vec<(f32, Place)>,
-    /// How far from there the farthest was moved, cm; nothing where the curve was only resampled.
+    /// Their positions on the original curve: arc length and place.
+    pub(super) stops: Vec<(f32, SplineParam)>,
+    /// Largest displacement from there, cm; `None` if the curve was only resampled.
     pub(super) moved: f32,
-    /// Whether the skin moved points of it.
+    /// Whether the skin moved any of them.
     pub(super) on_skin: bool,
 }
 
 impl Read {
-    /// A curve as it is.
+    /// The original curve.
     pub(super) fn of(points: &[Vec3], left: f32) -> Self {
         let last = points.len() - 1;
         let place =
-            |k: usize| Place { span: k.min(last - 1), t: if k == last { 1.0 } else { 0.0 } };
+            |k: usize| SplineParam { span: k.min(last - 1), t: if k == last { 1.0 } else { 0.0 } };
         let stops = (0..=last).map(|k| (0.0, place(k))).collect();
         Self { left, points: points.to_vec(), stops, moved: 0.0, on_skin: true }
     }
@@ -152,16 +150,16 @@ impl Read {
     }
 }
 
-/// A curve to be read alike.
+/// A curve to repair.
 pub(super) struct Mender<'a> {
     pub(super) old: &'a [Vec3],
     pub(super) spline: &'a Spline,
-    /// Room for the spline of points that stand for the curve.
+    /// Scratch memory for the spline of the new CVs.
     pub(super) led: &'a mut Spline,
     pub(super) skin: Option<&'a Skin<'a>>,
-    /// How deep in the skin it may lie at a place, cm.
-    pub(super) depth: &'a dyn Fn(Place) -> f32,
-    /// Whether it may not be moved to these points.
+    /// Allowed depth in the skin at a place, cm.
+    pub(super) depth: &'a dyn Fn(SplineParam) -> f32,
+    /// Whether a result is barred.
     pub(super) is_barred: &'a dyn Fn(&Read) -> bool,
     pub(super) patience: &'a Allowance<'a>,
 }
@@ -218,12 +216,12 @@ impl Mender<'_> {
         tried.swap_remove(0)
     }
 
-    /// The segments of so many times as many points.
+    /// The number of segments times a factor.
     fn segments(&self, of: usize, finer: f32) -> usize {
         ((of as f32 * finer) as usize).min((MOST_A_CURVE - 1).max(self.old.len() - 1))
     }
 
-    fn clear(&self, p: Vec3, place: Place) -> Vec3 {
+    fn clear(&self, p: Vec3, place: SplineParam) -> Vec3 {
         let Some(skin) = self.skin else { return p };
         let (out, moved) = lift(skin, p, -(self.depth)(place));
         if moved {
@@ -233,7 +231,7 @@ impl Mender<'_> {
         out
     }
 
-    /// How far the deepest point of the curve would have to go to be clear of the skin, cm: at as many as four a segment.
+    /// Largest distance that the curve would have to move to clear the skin, cm, sampled at up to four points per segment.
     fn deepest(&self) -> f32 {
         let steps = 4 * (self.old.len() - 1);
         if !self.patience.has(ASKED * steps as u64) {
@@ -247,17 +245,17 @@ impl Mender<'_> {
         (1..=steps).map(way).fold(0.0, f32::max)
     }
 
-    /// The farthest that points lie from where they were.
+    /// Largest distance of CVs from their original positions.
     fn moved(&self, read: &Read) -> f32 {
-        let far = |(p, stop): (&Vec3, &(f32, Place))| p.distance(self.spline.point(stop.1));
+        let far = |(p, stop): (&Vec3, &(f32, SplineParam))| p.distance(self.spline.point(stop.1));
         read.points.iter().zip(&read.stops).map(far).fold(0.0, f32::max)
     }
 
-    /// Points with chords alike, out of the skin; and whether that makes them leap, which more points would not mend.
+    /// CVs with equal chords, out of the skin; and whether that makes them jump, which more CVs would not mend.
     fn resampled(&self, finer: f32) -> (Read, bool) {
         let last = self.segments(self.old.len() - 1, finer);
         let mut read = Read::default();
-        // Among folds each round would be torn anew: what is alike in the air is pushed once.
+        // Among folds every round would be torn again: CVs that are even in the air are pushed once.
         let once = self.skin.is_some_and(Skin::is_rough);
         let pushed = Cell::new(false);
         let stale = || if pushed.get() { STALE_ON_SKIN } else { STALE };
@@ -281,7 +279,7 @@ impl Mender<'_> {
         (read.judged(), !alike && pushed.get())
     }
 
-    /// The same of the curve led round what tears it.
+    /// The same, of the curve routed around what tears it.
     fn led_round(&mut self, skin: &Skin, torn: Torn) -> Read {
         let last = self.segments(self.old.len() - 1, 1.0);
         let mut read = Read::default();
@@ -295,14 +293,14 @@ impl Mender<'_> {
         read.judged()
     }
 
-    /// Makes chords alike along the points that stand for the curve; whether they could be.
+    /// Equalises chords along the curve of these CVs; returns whether it succeeded.
     fn even(&mut self, read: &mut Read, last: usize, clears: bool) -> bool {
         if self.led.rebuild(&read.points).is_err() {
             return false;
         }
         let tip = read.points[read.points.len() - 1];
         let was: Vec<f32> = read.stops.iter().map(|(s, _)| *s).collect();
-        let before = |place: Place| {
+        let before = |place: SplineParam| {
             let (a, b) = (was[place.span], was[place.span + 1]);
             a + (b - a) * place.t
         };
@@ -321,8 +319,7 @@ impl Mender<'_> {
         true
     }
 
-    /// Points with chords alike of the curve that is moved as a whole until none is too deep and its readings agree; none
-    /// where it finds no way.
+    /// CVs with equal chords of the curve, moved as a whole until none is too deep and its readings agree; `None` if that fails.
     fn moved_out(&mut self, skin: &Skin, from: &Read, finer: f32, manner: Manner) -> Option<Read> {
         let mut read = from.clone();
         let last = self.segments(from.points.len() - 1, finer);
@@ -332,7 +329,7 @@ impl Mender<'_> {
                 return None;
             }
             let stops = &read.stops;
-            // Farther each time: what evening draws back again is out at last.
+            // The moves grow, so that CVs pulled back by evening come out in the end.
             let beyond = (1.1 + manner.growth * round as f32).min(FARTHEST.0);
             if !move_out(&mut read.points, |k| (self.depth)(stops[k].1), skin, beyond, manner.hard)
             {
@@ -351,23 +348,23 @@ impl Mender<'_> {
     }
 }
 
-/// `last` + 1 points of the spline whose chords are so much alike that both readings agree, and where they lie on it (arc
-/// length and place): through such points both are one curve, however sharply it bends; points at even arc length have
-/// shorter chords where it bends. `point` gives the point of a place, which may have to keep clear of the skin; `most_stale` how many
-/// rounds that are no better there may be. Tells whether they came to be alike.
+/// `last` + 1 CVs on the spline with chords so equal that both readings agree, however sharply it bends (at even arc length,
+/// chords are shorter where it bends); and their positions on it (arc length and place). `point` returns the CV at a place, which
+/// may have to clear the skin; `most_stale` is the largest number of rounds without improvement. Also returns whether chords
+/// became equal.
 fn alike_chords(
     spline: &Spline,
     last: usize,
     read: &mut Read,
     patience: &Allowance,
     most_stale: &dyn Fn() -> usize,
-    point: impl Fn(usize, Place) -> Vec3,
+    point: impl Fn(usize, SplineParam) -> Vec3,
 ) -> bool {
     let Read { points, stops, .. } = read;
     let mut chords: Vec<f32> = Vec::with_capacity(last);
-    // Places the points at these arc lengths; gives the longest chord over the shortest.
+    // Places the CVs at these arc lengths; returns the ratio of the longest chord to the shortest.
     let sample = |wanted: &[f32],
-                  stops: &mut Vec<(f32, Place)>,
+                  stops: &mut Vec<(f32, SplineParam)>,
                   points: &mut Vec<Vec3>,
                   chords: &mut Vec<f32>|
      -> f32 {
@@ -384,8 +381,8 @@ fn alike_chords(
     };
     let mut wanted: Vec<f32> =
         (0..=last).map(|k| k as f32 / last as f32 * spline.length()).collect();
-    // Where the skin makes a curve leap, more points make no shorter chords: the best round counts, and after some that are no
-    // better there is an end.
+    // Where the skin makes a curve jump, more CVs make no shorter chords: the best round counts, and rounds without improvement
+    // end the search.
     let mut best = (f32::MAX, wanted.clone());
     let mut stale = 0;
     for round in 0..ROUNDS {
@@ -405,7 +402,7 @@ fn alike_chords(
         if stale >= most_stale() {
             break;
         }
-        // What arc length has come where the chords have come to their even share.
+        // The arc length at which the sum of chords reaches an even share.
         let total: f32 = chords.iter().sum();
         let (mut k, mut come) = (0, 0.0);
         for (n, stop) in wanted.iter_mut().enumerate().take(last).skip(1) {
@@ -426,8 +423,8 @@ fn alike_chords(
     false
 }
 
-/// Moves what is deeper in the skin than allowed out of it, `beyond` times as far as it has to, and what lies beside it along,
-/// the nearer the more. Tells whether anything was.
+/// Moves CVs that are deeper in the skin than allowed out of it, by `beyond` times the required distance, and their neighbours
+/// along with them, decreasing with distance. Returns whether any moved.
 fn move_out(
     points: &mut [Vec3],
     depth: impl Fn(usize) -> f32,
@@ -435,7 +432,7 @@ fn move_out(
     beyond: f32,
     aside: bool,
 ) -> bool {
-    // How far to either side others go along, as a multiple of the way and of the mean chord.
+    // Reach of a move to either side, as a multiple of the move and of the mean chord.
     const ALONG: (f32, f32) = (6.0, 3.0);
     let n = points.len();
     let mut come = vec![0.0f32; n];
@@ -467,7 +464,7 @@ fn move_out(
         for j in (k..n).take_while(goes_along).chain((1..k).rev().take_while(goes_along)) {
             let off = (come[j] - come[k]) / reach;
             let by = way * ((1.0 - off * off) * (1.0 - off * off));
-            // Of what pulls at a point the strongest counts: neighbours that are both in the skin tell the same way out.
+            // The strongest of several moves counts: neighbours that are both in the skin move the same way out.
             if by.length_squared() > moves[j].length_squared() {
                 moves[j] = by;
             }
@@ -477,7 +474,7 @@ fn move_out(
     ways.iter().any(|way| *way != Vec3::ZERO)
 }
 
-/// Eases points about the spans where readings differ, but for the ends, towards the middle of their neighbours.
+/// Smooths CVs around the spans where readings differ, except at the ends, towards the mean of their neighbours.
 fn ease(points: &mut [Vec3]) {
     const REACH: usize = 3;
     let n = points.len();

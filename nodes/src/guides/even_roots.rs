@@ -8,7 +8,7 @@
 //! Guarantees: the list depends only on scalp and seed; the same number of points per cm2 wherever the region is 1.
 
 use crate::data::scalp::{Root, Scalp};
-use crate::data::spread::Spread;
+use crate::data::spread::TriangleLine;
 use crate::maths::hash::{Dice, mix};
 use glam::{Vec2, Vec3};
 
@@ -16,7 +16,7 @@ use glam::{Vec2, Vec3};
 pub(crate) struct EvenRoots<'a> {
     scalp: &'a Scalp,
     dice: Dice,
-    spread: &'a Spread,
+    spread: &'a TriangleLine,
 }
 
 /// Bisections inside a triangle: a point is then exact to a few thousandths of its edge.

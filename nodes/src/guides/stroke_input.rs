@@ -16,7 +16,7 @@ use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::polyline::{self, Polyline};
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use crate::scalp::lay;
 use glam::Vec3;
 use std::sync::Arc;
@@ -238,7 +238,7 @@ fn over_folds(points: &mut [Vec3], normals: &[Vec3], skin: &Skin, radius: f32) {
         let mut lifts = vec![0.0f32; last + 1];
         for span in 0..last {
             for t in [0.25, 0.5, 0.75] {
-                let depth = -skin.distance(spline.point(Place { span, t }));
+                let depth = -skin.distance(spline.point(SplineParam { span, t }));
                 if depth > FOLD + chord[span] {
                     lifts[span] = lifts[span].max(depth);
                     lifts[span + 1] = lifts[span + 1].max(depth);
@@ -380,7 +380,7 @@ mod tests {
         let spline = Spline::new(points).unwrap();
         let skin = scalp.skin();
         let deepest = (1..points.len() - 1)
-            .flat_map(|span| [0.25, 0.5, 0.75].map(|t| spline.point(Place { span, t })))
+            .flat_map(|span| [0.25, 0.5, 0.75].map(|t| spline.point(SplineParam { span, t })))
             .map(|p| -skin.distance(p))
             .fold(0.0, f32::max);
         assert!(deepest < 1.5 * FOLD, "{deepest}");

@@ -3,9 +3,9 @@
 //! The front is told with the hair, or at the beginning alone by the skin or by the normals of the scalp at the roots. Where
 //! it is not told it is found: a word read along a front that is never told is that of the braid but for front and back.
 
-use super::braid_strands::{Braid, Section};
+use super::braid_strands::{SampledBraid, StrandSample};
 use super::braid_words::Word;
-use super::hair::{Column, Hair, quantile};
+use super::hair::{AttributeValues, MeasuredHair, quantile};
 use crate::data::scalp::Scalp;
 use crate::maths::frame::{across, any_normal, carry};
 use crate::maths::transcendental::{atan2, cos, sin, sin_cos};
@@ -16,7 +16,7 @@ use std::f32::consts::TAU;
 const NEAR: f32 = 3.0;
 
 /// A braid as it is seen along one way of turning its front.
-pub(super) struct View {
+pub(super) struct BraidView {
     pub(super) sections: Vec<Vec<Vec2>>,
     /// First and last section that is braided: the root where strands are gathered to a bundle and the brush beyond the
     /// tie are not.
@@ -24,9 +24,9 @@ pub(super) struct View {
     pub(super) word: Option<Word>,
 }
 
-impl View {
+impl BraidView {
     /// Whichever way shows one weave all along, the braid is that weave; else the way with the fewest faults.
-    pub(super) fn of(spine: &Spine, told: &[Vec3], braid: &Braid) -> Self {
+    pub(super) fn of(spine: &Spine, told: &[Vec3], braid: &SampledBraid) -> Self {
         let mut seen = Self::along(spine, told, BROAD[0], braid, Cut::Across);
         let across = BROAD[1..].iter().map(|broad| (*broad, Cut::Across));
         for (broad, cut) in across.chain(BROAD.iter().map(|broad| (*broad, Cut::AsFarAlong))) {
@@ -38,7 +38,7 @@ impl View {
         seen
     }
 
-    fn along(spine: &Spine, told: &[Vec3], broad: f32, braid: &Braid, cut: Cut) -> Self {
+    fn along(spine: &Spine, told: &[Vec3], broad: f32, braid: &SampledBraid, cut: Cut) -> Self {
         let sections = spine.turned(told, broad, braid).sections(braid, cut);
         let halves: Vec<f32> = sections.iter().map(|s| half(s)).collect();
         let mut sorted = halves.clone();
@@ -81,7 +81,7 @@ pub(super) struct Spine {
 
 impl Spine {
     /// With any front, carried along without turning.
-    pub(super) fn of(braid: &Braid) -> Self {
+    pub(super) fn of(braid: &SampledBraid) -> Self {
         let n = braid.strands[0].len();
         let of_strands = braid.strands.len() as f32;
         let at: Vec<Vec3> = (0..n)
@@ -102,12 +102,12 @@ impl Spine {
 
     /// What tells the front, zero where nothing does: the hair; else the skin where the braid begins, or the normal of
     /// the scalp at its roots.
-    pub(super) fn told(
+    pub(super) fn front_cues(
         &self,
-        hair: &Hair,
-        braid: &Braid,
+        hair: &MeasuredHair,
+        braid: &SampledBraid,
         scalp: Option<&Scalp>,
-        root_front: Option<&Column<Vec3>>,
+        root_front: Option<&AttributeValues<Vec3>>,
     ) -> Vec<Vec3> {
         let n = self.at.len();
         let mut told: Vec<Vec3> = (0..n)
@@ -130,7 +130,7 @@ impl Spine {
 
     /// The same with its fronts turned to what is `told` of them. Where nothing is, the braid may have turned on: of all
     /// ways to turn, the one that turns least and along which the braid is seen `broad`.
-    fn turned(&self, told: &[Vec3], broad: f32, braid: &Braid) -> Self {
+    fn turned(&self, told: &[Vec3], broad: f32, braid: &SampledBraid) -> Self {
         let angles: Vec<Option<f32>> = (0..self.at.len())
             .map(|k| {
                 let front = across(told[k].try_normalize()?, self.tangents[k])?;
@@ -156,7 +156,7 @@ impl Spine {
 
     /// By how much (radians) each carried front turns on the way of least cost. It is the best way of all, so that a place
     /// where strands lie round, or one kink, can't lead it astray as it would a front that is followed step by step.
-    fn least_turn(&self, told: &[Option<f32>], broad: f32, braid: &Braid) -> Vec<f32> {
+    fn least_turn(&self, told: &[Option<f32>], broad: f32, braid: &SampledBraid) -> Vec<f32> {
         // Fronts looked at about each place, and how many of these a front turns by at most from one place to the next.
         const WAYS: usize = 192;
         const AT_ONCE: usize = 24;
@@ -225,14 +225,14 @@ impl Spine {
     }
 
     /// Each strand seen along the braid: to the right (tangent x front) and to the front.
-    fn sections(&self, braid: &Braid, cut: Cut) -> Vec<Vec<Vec2>> {
+    fn sections(&self, braid: &SampledBraid, cut: Cut) -> Vec<Vec<Vec2>> {
         let n = self.at.len();
         let reach = if cut == Cut::Across { (n / 30).max(3) } else { 0 };
         (0..n)
             .map(|k| {
                 let (at, tangent, front) = (self.at[k], self.tangents[k], self.fronts[k]);
                 let right = tangent.cross(front);
-                let one = |strand: &Vec<Section>| {
+                let one = |strand: &Vec<StrandSample>| {
                     // Where the strand goes through the plane across the braid here.
                     let ahead = |j: usize| (strand[j].middle - at).dot(tangent);
                     let mut p = strand[k].middle;
@@ -279,7 +279,7 @@ mod tests {
         turn: impl Fn(f32) -> f32,
         high: f32,
         shape: impl Fn(f32, Vec2) -> Vec2,
-    ) -> (Braid, Vec<Vec3>) {
+    ) -> (SampledBraid, Vec<Vec3>) {
         const SAMPLES: usize = 400;
         let share = |k: usize| k as f32 / (SAMPLES - 1) as f32;
         let at: Vec<Vec3> = (0..SAMPLES).map(|k| line(share(k))).collect();
@@ -295,14 +295,17 @@ mod tests {
                 let c = (0.013 + share(k) * 10.0 / 3.0 + i as f32 / 3.0) * TAU;
                 let p = shape(share(k), Vec2::new(sin_cos(c).0, 0.5 * high * sin_cos(2.0 * c).0));
                 let (front, right) = (fronts[k] * cos - right * sin, right * cos + fronts[k] * sin);
-                Section { middle: at[k] + right * p.x + front * p.y, ..Section::default() }
+                StrandSample {
+                    middle: at[k] + right * p.x + front * p.y,
+                    ..StrandSample::default()
+                }
             };
             (0..SAMPLES).map(section).collect()
         };
         let mut told = vec![Vec3::ZERO; SAMPLES];
         told[0] = fronts[0];
         let strands = (0..3).map(strand).collect();
-        (Braid { tubes: false, strands, curves: vec![vec![]; 3] }, told)
+        (SampledBraid { tubes: false, strands, curves: vec![vec![]; 3] }, told)
     }
 
     /// Straight down, and with a kink of 80 degrees half-way.
@@ -316,8 +319,8 @@ mod tests {
     }
 
     #[track_caller]
-    fn check((braid, told): (Braid, Vec<Vec3>), what: &str) {
-        let word = View::of(&Spine::of(&braid), &told, &braid).word.unwrap();
+    fn check((braid, told): (SampledBraid, Vec<Vec3>), what: &str) {
+        let word = BraidView::of(&Spine::of(&braid), &told, &braid).word.unwrap();
         assert_eq!((word.faults, word.crossing()), (0, Crossing::Under), "{what}");
     }
 
@@ -345,7 +348,7 @@ mod tests {
             let far = (k as f32 / n - 0.4) * 20.0;
             section.middle.y += 2.2 * exp(-far * far);
         }
-        let across = View::along(&Spine::of(&braid), &told, BROAD[0], &braid, Cut::Across);
+        let across = BraidView::along(&Spine::of(&braid), &told, BROAD[0], &braid, Cut::Across);
         assert!(across.faults() > 0);
         check((braid, told), "one strand back by a stitch");
     }
@@ -356,7 +359,7 @@ mod tests {
             let wrong =
                 |t: f32, p: Vec2| if (t - 0.5).abs() < 0.025 { Vec2::new(p.x, -p.y) } else { p };
             let (braid, told) = braid(straight, |t| turn * t, 1.0, wrong);
-            let view = View::of(&Spine::of(&braid), &told, &braid);
+            let view = BraidView::of(&Spine::of(&braid), &told, &braid);
             assert!(view.faults() > 0, "turned by {turn}");
         }
     }

@@ -6,24 +6,24 @@
 //! not. A strand begins where it has a twentieth of its hair. What tells the front is `normal` at each point, or
 //! `braid_front`, the front where a hair joins: each hair knows it for the place where it does.
 
-use super::hair::{Column, Hair};
+use super::hair::{AttributeValues, MeasuredHair};
 use crate::data::scalp::Skin;
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
 /// A braid, each strand at the same places along it.
-pub(super) struct Braid {
+pub(super) struct SampledBraid {
     /// Whether its strands are single tubes, whose radii were made to touch.
     pub(super) tubes: bool,
-    pub(super) strands: Vec<Vec<Section>>,
+    pub(super) strands: Vec<Vec<StrandSample>>,
     /// Curves of each hair or tube: their numbers among all.
     pub(super) curves: Vec<Vec<usize>>,
 }
 
 /// A strand at one place along its braid.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Section {
+pub(super) struct StrandSample {
     pub(super) middle: Vec3,
     pub(super) radius: f32,
     /// Front of the braid as it is told; zero where it is not.
@@ -44,7 +44,7 @@ const AS_JOINED: f32 = 0.015;
 const COUNTS: f32 = 0.8;
 
 /// All braids, by number.
-pub(super) fn braids(hair: &Hair, skin: Option<&Skin>) -> Vec<Braid> {
+pub(super) fn braids(hair: &MeasuredHair, skin: Option<&Skin>) -> Vec<SampledBraid> {
     let (Some(braid), Some(strand)) = (hair.whole("braid"), hair.whole("strand")) else {
         return vec![];
     };
@@ -56,12 +56,12 @@ pub(super) fn braids(hair: &Hair, skin: Option<&Skin>) -> Vec<Braid> {
         members.into_values().filter(|strands| strands.len() > 1).collect();
     let radius = hair.numbers("radius");
     let columns = Columns {
-        along: hair.numbers("along").filter(Column::is_of_points),
+        along: hair.numbers("along").filter(AttributeValues::is_of_points),
         tied: hair.numbers("tied"),
-        normal: hair.vectors("normal").filter(Column::is_of_points),
+        normal: hair.vectors("normal").filter(AttributeValues::is_of_points),
         joins: hair.vectors("braid_front"),
         stitch: hair.whole("stitch"),
-        radius: radius.filter(Column::is_of_points),
+        radius: radius.filter(AttributeValues::is_of_points),
         skin,
     };
     hair.in_parts(members.len(), 1, |part| columns.braid(hair, &members[part.start]))
@@ -71,24 +71,28 @@ pub(super) fn braids(hair: &Hair, skin: Option<&Skin>) -> Vec<Braid> {
 }
 
 struct Columns<'a> {
-    along: Option<Column<'a, f32>>,
-    tied: Option<Column<'a, f32>>,
-    normal: Option<Column<'a, Vec3>>,
-    joins: Option<Column<'a, Vec3>>,
+    along: Option<AttributeValues<'a, f32>>,
+    tied: Option<AttributeValues<'a, f32>>,
+    normal: Option<AttributeValues<'a, Vec3>>,
+    joins: Option<AttributeValues<'a, Vec3>>,
     stitch: Option<Vec<i64>>,
-    radius: Option<Column<'a, f32>>,
+    radius: Option<AttributeValues<'a, f32>>,
     skin: Option<&'a Skin<'a>>,
 }
 
 impl Columns<'_> {
-    fn braid(&self, hair: &Hair, members: &BTreeMap<i64, Vec<usize>>) -> Option<Braid> {
+    fn braid(
+        &self,
+        hair: &MeasuredHair,
+        members: &BTreeMap<i64, Vec<usize>>,
+    ) -> Option<SampledBraid> {
         let curves: Vec<Vec<usize>> = members.values().cloned().collect();
         let tubes = curves.iter().all(|c| c.len() == 1) && self.radius.is_some();
         // Stitch curves, for one, have the number of their braid too.
         if !tubes && curves.iter().any(|c| c.len() < FEWEST) {
             return None;
         }
-        let strands: Vec<Vec<Option<Section>>> = if tubes {
+        let strands: Vec<Vec<Option<StrandSample>>> = if tubes {
             let most = curves.iter().map(|c| hair.curve(c[0]).len()).max()?;
             let each = |c: &Vec<usize>| self.tube(hair, c[0], most * 8);
             curves.iter().map(each).collect::<Option<_>>()?
@@ -108,12 +112,18 @@ impl Columns<'_> {
                 start = k + 1;
             }
         }
-        let cut = |s: &Vec<Option<Section>>| s[best.clone()].iter().copied().flatten().collect();
+        let cut =
+            |s: &Vec<Option<StrandSample>>| s[best.clone()].iter().copied().flatten().collect();
         let strands = strands.iter().map(cut).collect();
-        (best.len() > 8).then_some(Braid { tubes, strands, curves })
+        (best.len() > 8).then_some(SampledBraid { tubes, strands, curves })
     }
 
-    fn tube(&self, hair: &Hair, curve: usize, count: usize) -> Option<Vec<Option<Section>>> {
+    fn tube(
+        &self,
+        hair: &MeasuredHair,
+        curve: usize,
+        count: usize,
+    ) -> Option<Vec<Option<StrandSample>>> {
         let points = hair.curve(curve);
         let first = hair.range(curve).start;
         let mut spline = Spline::default();
@@ -136,8 +146,8 @@ impl Columns<'_> {
                 let (a, b) = (r.at(curve, first + span), r.at(curve, first + span + 1));
                 a + (b - a) * t
             });
-            Some(Section {
-                middle: spline.point(Place { span, t }),
+            Some(StrandSample {
+                middle: spline.point(SplineParam { span, t }),
                 radius,
                 front: self.normal.as_ref().map_or(Vec3::ZERO, |n| n.at(curve, first + span)),
                 gap: None,
@@ -147,7 +157,12 @@ impl Columns<'_> {
     }
 
     /// The middle of many hairs of at most `longest` points at even places along them.
-    fn bundle(&self, hair: &Hair, curves: &[usize], longest: usize) -> Vec<Option<Section>> {
+    fn bundle(
+        &self,
+        hair: &MeasuredHair,
+        curves: &[usize],
+        longest: usize,
+    ) -> Vec<Option<StrandSample>> {
         let mut chosen = curves.to_vec();
         if let Some(stitch) = &self.stitch {
             chosen.sort_by_key(|i| (stitch[*i], *i));
@@ -182,7 +197,7 @@ impl Columns<'_> {
     }
 
     /// Points of a hair from where it has joined: fraction along the braid, place, front.
-    fn hair(&self, hair: &Hair, curve: usize) -> Vec<(f32, Vec3, Vec3)> {
+    fn hair(&self, hair: &MeasuredHair, curve: usize) -> Vec<(f32, Vec3, Vec3)> {
         let (points, first) = (hair.curve(curve), hair.range(curve).start);
         if let Some(along) = &self.along {
             let at = |k: usize| along.at(curve, first + k);
@@ -214,7 +229,7 @@ impl Columns<'_> {
     }
 }
 
-fn middle(here: &mut [(Vec3, Vec3)], fewest: usize, skin: Option<&Skin>) -> Option<Section> {
+fn middle(here: &mut [(Vec3, Vec3)], fewest: usize, skin: Option<&Skin>) -> Option<StrandSample> {
     if here.len() < fewest {
         return None;
     }
@@ -233,7 +248,7 @@ fn middle(here: &mut [(Vec3, Vec3)], fewest: usize, skin: Option<&Skin>) -> Opti
     let gap = skin
         .filter(|skin| skin.about(about) < 1.0)
         .map(|skin| here[..counting].iter().map(|p| skin.about(p.0)).fold(f32::MAX, f32::min));
-    Some(Section {
+    Some(StrandSample {
         middle: about,
         // Within the share of a disc's area nearest to its middle, the mean square is half the share of its radius's.
         radius: (2.0 * spread / share).sqrt(),

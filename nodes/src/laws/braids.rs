@@ -1,11 +1,11 @@
-//! Braids: word, crossing, how near strands come to each other and to the skin.
+//! Braids: their words and crossings, and the distances between strands and from the skin.
 //!
-//! Everything is read from curves and their columns, without the graph that made them. How hair joins braids is in `stitches.rs`.
+//! Everything is read from curves and their attributes, without the graph. How hair joins braids is in `stitches.rs`.
 
-use super::braid_spine::{Spine, View};
-use super::braid_strands::{Braid, Section, braids};
+use super::braid_spine::{BraidView, Spine};
+use super::braid_strands::{SampledBraid, StrandSample, braids};
 use super::braid_words::{Crossing, Word};
-use super::hair::{Column, Hair, quantile};
+use super::hair::{AttributeValues, MeasuredHair, quantile};
 use crate::data::scalp::Scalp;
 use glam::Vec3;
 use std::cmp::Reverse;
@@ -14,59 +14,59 @@ use std::collections::BTreeMap;
 /// All braids.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Braids {
-    /// How many.
+    /// Number of braids.
     pub braids: usize,
     /// Strands of all braids.
     pub strands: usize,
-    /// Whether strands are single tubes; else they are made of hair, and their radius is that of its spread.
+    /// Whether strands are single tubes; otherwise they are made of hair, and their radius is that of its spread.
     pub tubes: bool,
     /// Largest (r_i + r_j) / distance of two strands of a braid: 1 touches, more overlaps. Strands of hair press into one
-    /// another, and what is drawn together at their ends is left out.
+    /// another; where hair is gathered at the ends, it is not counted.
     pub worst_overlap: f32,
-    /// Braids of a kind together.
-    pub kinds: Vec<Kind>,
-    /// Braids whose crossings are not those of one weave all along.
+    /// Braids by kind.
+    pub kinds: Vec<BraidKind>,
+    /// Number of braids that are not one weave throughout.
     pub broken_words: usize,
-    /// With a scalp: lowest, middle and highest distance, cm, of the braids' middle lines from the skin.
+    /// With a scalp: lowest, median and highest distance of the braids' centre lines from the skin, cm.
     pub height_cm: Option<[f32; 3]>,
-    /// With a scalp: the smallest, over the braids the middle of the smallest, and the largest smallest distance, cm,
-    /// between skin and strands, negative where they reach into it.
+    /// With a scalp: smallest, median and largest over the braids of the smallest distance between skin and strands, cm; negative
+    /// below the skin.
     pub gap_cm: Option<[f32; 3]>,
 }
 
 /// Braids with the same crossings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kind {
-    /// How many.
+pub struct BraidKind {
+    /// Number of braids.
     pub braids: usize,
-    /// Of so many strands each.
+    /// Strands of each.
     pub strands: usize,
-    /// Frequency of the weave; none: nothing is braided so.
+    /// Frequency of the weave; `None` if it is no braid.
     pub weave: Option<usize>,
-    /// One stitch's factor, a pair each from the left: whether the strand that goes right is in front.
+    /// Signs of one stitch, for each pair of strands from the left: whether the strand that goes right is in front.
     pub signs: Vec<bool>,
-    /// How strands cross at the outside; none where nothing tells the front of the braid.
+    /// How strands cross at the outside; `None` if the front of the braid is unknown.
     pub crossing: Option<Crossing>,
-    /// Fewest, middle and most stitches of a braid.
+    /// Fewest, median and most stitches of a braid.
     pub stitches: [usize; 3],
 }
 
-/// Tubes may overlap by this share of their distance.
+/// Tolerance of the overlap of tubes, relative to their distance.
 const TOUCH: f32 = 1.02;
 
 impl Braids {
-    /// Whether all are woven all along as they begin.
+    /// Whether all are one weave throughout.
     pub fn are_woven(&self) -> bool {
         self.broken_words == 0
     }
-    /// Whether no two strands overlap, but for rounding; none of strands that are no tubes.
+    /// Whether no two strands overlap, except for rounding; `None` for strands of hair.
     pub fn keep_apart(&self) -> Option<bool> {
         self.tubes.then_some(self.worst_overlap <= TOUCH)
     }
 }
 
-/// All braids of hair, or of strands that are tubes; none where there are none.
-pub fn measure(hair: &Hair, scalp: Option<&Scalp>) -> Option<Braids> {
+/// All braids of hair or of tubes; `None` without any.
+pub fn measure(hair: &MeasuredHair, scalp: Option<&Scalp>) -> Option<Braids> {
     let skin = scalp.map(Scalp::skin);
     let all = braids(hair, skin.as_ref());
     if all.is_empty() {
@@ -95,7 +95,7 @@ pub fn measure(hair: &Hair, scalp: Option<&Scalp>) -> Option<Braids> {
             stitches.sort_unstable();
             let (low, high) = (stitches[0], stitches[stitches.len() - 1]);
             let (braids, middle) = (stitches.len(), stitches[stitches.len() / 2]);
-            Kind { braids, strands, weave, signs, crossing, stitches: [low, middle, high] }
+            BraidKind { braids, strands, weave, signs, crossing, stitches: [low, middle, high] }
         });
     let spread = |values: &dyn Fn(&One) -> Option<Vec<f32>>| {
         let mut all: Vec<f32> = found.iter().filter_map(values).flatten().collect();
@@ -124,14 +124,15 @@ struct One {
 
 impl One {
     fn of(
-        hair: &Hair,
-        braid: &Braid,
+        hair: &MeasuredHair,
+        braid: &SampledBraid,
         scalp: Option<&Scalp>,
-        root_front: Option<&Column<Vec3>>,
+        root_front: Option<&AttributeValues<Vec3>>,
     ) -> Self {
         let spine = Spine::of(braid);
-        let told = spine.told(hair, braid, scalp, root_front);
-        let View { sections, woven: (first, last), word } = View::of(&spine, &told, braid);
+        let told = spine.front_cues(hair, braid, scalp, root_front);
+        let BraidView { sections, woven: (first, last), word } =
+            BraidView::of(&spine, &told, braid);
         let (mut heights, mut gap) = (None, None);
         if let Some(scalp) = scalp {
             let skin = scalp.skin();
@@ -164,16 +165,16 @@ fn far(scalp: &Scalp, p: Vec3) -> f32 {
 }
 
 /// The largest (r_i + r_j) / distance of samples of different strands.
-fn overlap(braid: &Braid, woven: std::ops::Range<usize>) -> f32 {
+fn overlap(braid: &SampledBraid, woven: std::ops::Range<usize>) -> f32 {
     const BLOCK: usize = 16;
     // The sphere about each block of samples, radii included: blocks that are apart are passed over.
     let blocks: Vec<Vec<(Vec3, f32)>> = braid
         .strands
         .iter()
         .map(|strand| {
-            let around = |block: &[Section]| {
+            let around = |block: &[StrandSample]| {
                 let middle = block.iter().map(|s| s.middle).sum::<Vec3>() / block.len() as f32;
-                let reach = |s: &Section| s.middle.distance(middle) + s.radius;
+                let reach = |s: &StrandSample| s.middle.distance(middle) + s.radius;
                 (middle, block.iter().map(reach).fold(0.0, f32::max))
             };
             strand[woven.clone()].chunks(BLOCK).map(around).collect()
@@ -249,7 +250,7 @@ mod tests {
 
     #[track_caller]
     fn measured(read: &ReadCurves) -> Braids {
-        measure(&Hair::read(read, &PlainHost), None).unwrap()
+        measure(&MeasuredHair::read(read, &PlainHost), None).unwrap()
     }
 
     #[test]

@@ -1,12 +1,12 @@
-//! Diameter, pitch and shrinkage of curled hair, measured from where its points lie and set beside what was asked.
+//! Diameter, pitch and shrinkage of curled hair, measured from its CVs and compared with the requested values.
 //!
-//! No number that was asked enters: the axis of a curl is the mean of the hair over one turn, and what a turn is comes from
-//! the hair itself, by turns counted about the axis until both agree; for the diameter of a few long turns it is the curve of
-//! few bends nearest to the hair. Diameter: twice the root of the mean square distance from the axis over the middle of the
-//! hair, for which it is asked (a wave's is its height over the root of 2, as methods.md 4 has it); pitch: length of the axis
-//! for a turn; shrinkage: what the axis is shorter than the hair.
+//! Measurements use no requested value. The axis of a curl is the mean of the hair over one turn; the length of a turn follows
+//! from the number of turns around the axis, iterated until both agree; for the diameter of a few long turns, the axis is the
+//! smoothest curve nearest to the hair. Diameter: twice the RMS distance from the axis over the middle of the hair, where it is
+//! requested (a wave's is its height over the root of 2, as in methods.md 4). Pitch: length of the axis per turn. Shrinkage: the
+//! fraction by which the axis is shorter than the hair.
 
-use super::hair::{Column, Hair, quantile};
+use super::hair::{AttributeValues, MeasuredHair, quantile};
 use crate::data::attributes::CURL_MIDDLE;
 use crate::maths::frame::carry;
 use crate::maths::spline::Spline;
@@ -16,32 +16,32 @@ use glam::{Vec2, Vec3};
 /// Curls of hair.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curls {
-    /// Hairs that were asked to curl.
+    /// Number of hairs with requested curls.
     pub curled: usize,
-    /// Hairs measured, spread evenly over them; those with fewer than two and a half turns tell nothing.
+    /// Number of hairs measured, evenly spread; hairs with fewer than two and a half turns cannot be.
     pub measured: usize,
-    /// Measured over asked: of 5 % of the hairs at most, the middle, of 95 % at most.
+    /// Measured over requested diameter: 5th percentile, median, 95th percentile.
     pub diameter_ratio: [f32; 3],
-    /// The same of pitches.
+    /// The same for pitch.
     pub pitch_ratio: [f32; 3],
-    /// The same of shrinkage; none where nothing tells what was asked.
+    /// The same for shrinkage; `None` if no request is known.
     pub shrinkage_ratio: Option<[f32; 3]>,
-    /// The middle of the diameters measured, cm.
+    /// Median measured diameter, cm.
     pub diameter_cm: f32,
-    /// The middle of the pitches measured, cm.
+    /// Median measured pitch, cm.
     pub pitch_cm: f32,
-    /// The middle of the shrinkages measured, 0 to 1.
+    /// Median measured shrinkage, 0 to 1.
     pub shrinkage: f32,
 }
 
-/// The most hairs that are measured.
+/// Largest number of measured hairs.
 const MOST: usize = 2000;
 
-/// How the curls of hair are, and how they were asked; none where none was asked to curl.
-pub fn measure(hair: &Hair) -> Option<Curls> {
+/// Measured and requested curls of hair; `None` if none was requested.
+pub fn measure(hair: &MeasuredHair) -> Option<Curls> {
     let (diameter, pitch) = (hair.numbers("curl_diameter")?, hair.numbers("curl_pitch")?);
     let shrinkage = hair.numbers("shrinkage");
-    let asked = |column: &Column<f32>, i: usize| column.at(i, hair.range(i).start);
+    let asked = |column: &AttributeValues<f32>, i: usize| column.at(i, hair.range(i).start);
     let curled: Vec<usize> = (0..hair.len())
         .filter(|i| {
             hair.curve(*i).len() > 3 && asked(&diameter, *i) > 0.0 && asked(&pitch, *i) > 0.0
@@ -81,23 +81,23 @@ pub fn measure(hair: &Hair) -> Option<Curls> {
     })
 }
 
-/// Fewer measured hairs than this tell nothing of the rest.
+/// Number of measured hairs below which the rest cannot be judged.
 const JUDGED: usize = 20;
 
 impl Curls {
-    /// Whether so many hairs turn often enough to be measured that all can be judged by them.
+    /// Whether enough hairs could be measured to judge all.
     pub fn can_be_judged(&self) -> bool {
         self.measured >= JUDGED.min(self.curled) && self.measured > 0
     }
-    /// Whether the middle of diameters, of pitches and of shrinkages is within `share` of what was asked.
-    pub fn are_as_asked(&self, share: f32) -> [bool; 3] {
+    /// Whether the medians of diameter, pitch and shrinkage are within `share` of the request.
+    pub fn are_as_requested(&self, share: f32) -> [bool; 3] {
         let near = |ratio: [f32; 3]| (ratio[1] - 1.0).abs() <= share;
         let shrinkage = self.shrinkage_ratio.is_none_or(near);
         [near(self.diameter_ratio), near(self.pitch_ratio), shrinkage]
     }
 }
 
-/// What one hair's curl measures.
+/// Measurements of one hair.
 #[derive(Clone, Copy, Debug)]
 struct Curl {
     diameter: f32,
@@ -106,7 +106,7 @@ struct Curl {
 }
 
 impl Curl {
-    /// Of a hair of so many points.
+    /// Measures a hair with `points` CVs; `None` if that is not possible.
     fn of(spline: &Spline, points: usize) -> Option<Self> {
         let length = spline.length();
         let count = (points * 4).clamp(64, 2048);

@@ -1,31 +1,31 @@
 //! Hair under the skin.
 //!
-//! The points of each curve are looked at. Of curves that coif did not write, whose points may be far apart, the way between them is too:
-//! where no point at its ends is too deep, a stretch that is counts as one.
+//! Each CV is measured. On curves that coif did not write, whose CVs may be far apart, so are the segments between them: a
+//! segment with a deep part counts once, unless one of its ends is too deep itself.
 
-use super::hair::Hair;
+use super::hair::MeasuredHair;
 use crate::data::scalp::{Scalp, Skin};
 use glam::Vec3;
 
-/// How hair lies under the skin.
+/// How deep hair is under the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Depth {
-    /// Points deeper under the skin than their curve allows (and 0.001 cm of rounding).
+pub struct SkinDepth {
+    /// Number of CVs deeper than their curve allows (with 0.001 cm of tolerance).
     pub too_deep: usize,
-    /// Curves with such points.
+    /// Number of curves with such CVs.
     pub curves: usize,
-    /// The deepest point's depth, cm.
+    /// Depth of the deepest CV, cm.
     pub deepest_cm: f32,
 }
 
-/// How far apart a way between points is looked at near the skin, cm, and how often at most.
+/// Spacing of samples along a segment near the skin, cm, and their largest number.
 const STEP: f32 = 0.2;
 const MOST_STEPS: usize = 500;
-/// How deep a point may lie beside what its curve allows, cm.
+/// Tolerance of the allowed depth, cm.
 const ROUNDING: f32 = 1e-3;
 
-/// Looks at every point, and between them where a curve is not as coif writes it.
-pub fn measure(hair: &Hair, scalp: &Scalp) -> Depth {
+/// Measures every CV, and segments of curves that coif did not write.
+pub fn measure(hair: &MeasuredHair, scalp: &Scalp) -> SkinDepth {
     let skin = scalp.skin();
     let allowed = hair.numbers("allow_depth");
     let between = !hair.is_of_coifs_form();
@@ -50,19 +50,19 @@ pub fn measure(hair: &Hair, scalp: &Scalp) -> Depth {
             }
             curves += usize::from(too_deep > before_it);
         }
-        Depth { too_deep, curves, deepest_cm: deepest }
+        SkinDepth { too_deep, curves, deepest_cm: deepest }
     });
-    let none = Depth { too_deep: 0, curves: 0, deepest_cm: 0.0 };
-    parts.into_iter().fold(none, |all, part| Depth {
+    let none = SkinDepth { too_deep: 0, curves: 0, deepest_cm: 0.0 };
+    parts.into_iter().fold(none, |all, part| SkinDepth {
         too_deep: all.too_deep + part.too_deep,
         curves: all.curves + part.curves,
         deepest_cm: all.deepest_cm.max(part.deepest_cm),
     })
 }
 
-/// How deep a point lies under the skin, cm; 0 where it does not.
+/// Depth of a point under the skin, cm; 0 outside.
 fn depth(scalp: &Scalp, skin: &Skin, p: Vec3) -> f32 {
-    // The field is quick and may be wrong at creases; what it finds deep is measured exactly.
+    // The field is fast and may be wrong at creases; what it finds deep is measured exactly.
     if skin.distance(p) >= 0.0 {
         return 0.0;
     }
@@ -70,7 +70,7 @@ fn depth(scalp: &Scalp, skin: &Skin, p: Vec3) -> f32 {
     surface.closest(p).map_or(0.0, |hit| -surface.signed_distance(p, &hit))
 }
 
-/// How deep a straight way lies under the skin at the deepest.
+/// Largest depth of a segment under the skin.
 fn deepest_between(scalp: &Scalp, skin: &Skin, from: Vec3, to: Vec3) -> f32 {
     let length = from.distance(to);
     let least = STEP.max(length / MOST_STEPS as f32);
@@ -78,7 +78,7 @@ fn deepest_between(scalp: &Scalp, skin: &Skin, from: Vec3, to: Vec3) -> f32 {
     while s < length {
         let p = from.lerp(to, s / length);
         deepest = deepest.max(depth(scalp, skin, p));
-        // As far as the skin is away there is none.
+        // Within its distance from the skin, a point has none around it.
         s += skin.distance(p).max(least);
     }
     deepest

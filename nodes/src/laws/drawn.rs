@@ -8,38 +8,38 @@
 
 use super::hair::in_parts;
 use crate::eval::Host;
-use crate::formats::usd::form::{Blend, Form, value};
+use crate::formats::usd::form::{Form, Lerp, value};
 use glam::Vec3;
 use std::ops::Range;
 
-/// How far straight lines between points may be from the curve, cm.
+/// Largest distance of straight segments from the curve, cm.
 const NEAR: f32 = 1e-3;
-/// The most pieces of a span.
+/// Largest number of segments per span.
 const MOST_PIECES: usize = 32;
-/// The most points of a curve, as long as it has no more spans.
+/// Largest number of points per curve, unless it has more spans.
 const MOST_OF_A_CURVE: usize = 65_536;
-/// The most points of all curves, as long as a span has no more than one piece.
+/// Largest number of points of all curves, unless spans have one segment each.
 const MOST: usize = 16_000_000;
 
-/// Where a point lies: on which span of its curve, and how far along that from 0 to 1. Only a curve's last point is at 1.
+/// Position of a point: the span of its curve, and the fraction along it, 0 to 1. Only the last point of a curve is at 1.
 #[derive(Clone, Copy)]
 struct Place {
     span: u32,
     t: f32,
 }
 
-/// The points, curve by curve.
-pub(super) struct Drawn {
+/// Points on all curves, curve by curve.
+pub(super) struct EvaluatedCurves {
     form: Form,
     offsets: Vec<usize>,
     pub(super) points: Vec<Vec3>,
     places: Vec<Place>,
-    /// Where the `varying` values of each curve begin.
+    /// Start of the `varying` values of each curve.
     varying: Vec<usize>,
 }
 
-impl Drawn {
-    /// Of curves whose points lie at these offsets; none where the points of the file are on the curve, and all there is to it.
+impl EvaluatedCurves {
+    /// Evaluates curves with CVs at these offsets; `None` if the CVs of the file lie on the curve and describe it fully.
     pub(super) fn of(
         form: Form,
         points: &[Vec3],
@@ -101,12 +101,12 @@ impl Drawn {
         Some(out)
     }
 
-    /// Where the points of curve `i` lie among all.
+    /// Range of the points of curve `i` among all.
     pub(super) fn range(&self, i: usize) -> Range<usize> {
         self.offsets[i]..self.offsets[i + 1]
     }
 
-    /// The curve from each of its points to the next, as polynomials, given the points of the file that control it.
+    /// The curve between its points, as polynomials, given its control points in the file.
     pub(super) fn between<'d>(
         &'d self,
         curve: usize,
@@ -118,20 +118,20 @@ impl Drawn {
         })
     }
 
-    /// Of which span of its curve each piece between two points is one.
+    /// For each segment, the span of its curve.
     pub(super) fn spans(&self, curve: usize) -> impl Iterator<Item = u32> + '_ {
         let places = &self.places[self.range(curve)];
         places[..places.len().saturating_sub(1)].iter().map(|place| place.span)
     }
 
-    /// What `vertex` values are at a point, given those of its curve.
-    pub(super) fn vertex<T: Blend>(&self, of_curve: &[T], point: usize) -> T {
+    /// `vertex` values at a point, given those of its curve.
+    pub(super) fn vertex<T: Lerp>(&self, of_curve: &[T], point: usize) -> T {
         let Place { span, t } = self.places[point];
         value(self.form.span(of_curve, span as usize), t)
     }
 
-    /// What `varying` values are at a point of curve `curve`.
-    pub(super) fn varying<T: Blend>(&self, values: &[T], curve: usize, point: usize) -> T {
+    /// `varying` values at a point of curve `curve`.
+    pub(super) fn varying<T: Lerp>(&self, values: &[T], curve: usize, point: usize) -> T {
         let Place { span, t } = self.places[point];
         let of_curve = &values[self.varying[curve]..self.varying[curve + 1]];
         let [a, b] = self.form.ends(of_curve, span as usize);
@@ -139,15 +139,15 @@ impl Drawn {
     }
 }
 
-/// Into how many pieces a span of a curve of so many is cut, so that straight lines are as near to it as `near`.
+/// Number of segments for each span of a curve, so that they are within `near` of it.
 fn pieces([_, _, c2, c3]: [Vec3; 4], near: f32, spans: usize) -> usize {
     let most = (MOST_OF_A_CURVE / spans).clamp(1, MOST_PIECES);
-    // A chord over 1/n of the span is off by an eighth of the second derivative over n², which is largest at an end.
+    // A chord over 1/n of the span deviates by an eighth of the second derivative over n², which is largest at an end.
     let bend = (c2 * 2.0).length().max((c2 * 2.0 + c3 * 6.0).length());
     ((bend / (8.0 * near)).sqrt().ceil() as usize).clamp(1, most)
 }
 
-/// The part of a polynomial from `t0` to `t1`, as one from 0 to 1.
+/// The part of a polynomial from `t0` to `t1`, reparametrised to 0 to 1.
 fn part(span: [Vec3; 4], t0: f32, t1: f32) -> [Vec3; 4] {
     let [_, c1, c2, c3] = span;
     let d = t1 - t0;

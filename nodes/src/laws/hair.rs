@@ -8,11 +8,11 @@
 //! [`AGREE`], or the law is broken; where they are, the length is that of coif's own reading, else that of USD's. Not promised: that
 //! reading stops when its host is asked to stop.
 
-use super::drawn::Drawn;
+use super::drawn::EvaluatedCurves;
 use crate::data::attributes::{self as a, Item};
-use crate::data::curves::{Curves, View};
+use crate::data::curves::{AttributeView, Curves};
 use crate::eval::Host;
-use crate::formats::usd::form::{Basis, Blend, Form, Wrap, value};
+use crate::formats::usd::form::{Basis, Form, Lerp, Wrap, value};
 use crate::formats::usd::read::{ReadCurves, ReadPrimvar, ReadValues};
 use crate::maths::catmull_rom_agreement::{AGREE, each_span};
 use crate::maths::spline::{CurveFault, Spline};
@@ -22,13 +22,13 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Curves and where each of them lies.
-pub struct Hair<'a> {
+pub struct MeasuredHair<'a> {
     source: Source<'a>,
     /// Control points of all curves.
     cvs: Cow<'a, [Vec3]>,
     /// Where the control points of each curve begin.
     offsets: Vec<usize>,
-    drawn: Option<Drawn>,
+    drawn: Option<EvaluatedCurves>,
     host: &'a dyn Host,
 }
 
@@ -38,7 +38,7 @@ enum Source<'a> {
     File(&'a ReadCurves),
 }
 
-impl<'a> Hair<'a> {
+impl<'a> MeasuredHair<'a> {
     /// Curves of a groom, to be read on the threads of `host`. One tuft is read where it lies, several are copied together.
     pub fn of(curves: &'a Curves, host: &'a dyn Host) -> Self {
         let tufts = curves.tufts();
@@ -53,7 +53,7 @@ impl<'a> Hair<'a> {
     /// Curves of a file, to be read on the threads of `host`.
     pub fn read(read: &'a ReadCurves, host: &'a dyn Host) -> Self {
         let offsets = offsets(read.counts.iter().map(|count| *count as usize));
-        let drawn = Drawn::of(read.form, &read.points, &offsets, host);
+        let drawn = EvaluatedCurves::of(read.form, &read.points, &offsets, host);
         Self { source: Source::File(read), cvs: Cow::Borrowed(&read.points), offsets, drawn, host }
     }
     /// Number of curves.
@@ -180,7 +180,7 @@ impl<'a> Hair<'a> {
         }
     }
     /// Numbers, however they are spread.
-    pub fn numbers(&self, name: &str) -> Option<Column<'_, f32>> {
+    pub fn numbers(&self, name: &str) -> Option<AttributeValues<'_, f32>> {
         match self.source {
             Source::Curves(curves) => of_curves(curves, name),
             Source::File(read) => match &primvar(read, name)? {
@@ -192,7 +192,7 @@ impl<'a> Hair<'a> {
         }
     }
     /// Vectors, however they are spread.
-    pub fn vectors(&self, name: &str) -> Option<Column<'_, Vec3>> {
+    pub fn vectors(&self, name: &str) -> Option<AttributeValues<'_, Vec3>> {
         match self.source {
             Source::Curves(curves) => of_curves(curves, name),
             Source::File(read) => match &primvar(read, name)? {
@@ -232,7 +232,7 @@ impl<'a> Hair<'a> {
         &'p self,
         interpolation: &str,
         values: &'p [T],
-    ) -> Option<Column<'p, T>> {
+    ) -> Option<AttributeValues<'p, T>> {
         let how = match (interpolation, &self.drawn) {
             ("constant", _) => Spread::All,
             ("uniform", _) => Spread::Curves,
@@ -241,7 +241,7 @@ impl<'a> Hair<'a> {
             ("vertex" | "varying" | "faceVarying", None) => Spread::Points,
             _ => return None,
         };
-        Some(Column { values: Cow::Borrowed(values), how })
+        Some(AttributeValues { values: Cow::Borrowed(values), how })
     }
 }
 
@@ -258,22 +258,22 @@ fn primvar<'a>(read: &'a ReadCurves, name: &str) -> Option<&'a ReadPrimvar> {
 }
 
 /// The column of all tufts together; none where no curve has anything but what it would have without.
-fn of_curves<T: Item>(curves: &Curves, name: &str) -> Option<Column<'static, T>> {
+fn of_curves<T: Item>(curves: &Curves, name: &str) -> Option<AttributeValues<'static, T>> {
     let views = || curves.tufts().iter().map(|tuft| tuft.view_named::<T>(name));
     let sample = curves.tufts().iter().filter_map(|tuft| tuft.attribute(name));
     let sample = sample.map(|own| &own.values).find(|own| T::values(own).is_some())?;
     let default = *T::values(&a::default_of(name, sample))?.first()?;
-    let says_nothing = |view: Option<View<T>>| match view {
-        Some(View::Shared(one)) => one == default,
+    let says_nothing = |view: Option<AttributeView<T>>| match view {
+        Some(AttributeView::Shared(one)) => one == default,
         view => view.is_none(),
     };
     if views().all(says_nothing) {
         return None;
     }
-    let of_points = views().any(|view| matches!(view, Some(View::Point(_))));
+    let of_points = views().any(|view| matches!(view, Some(AttributeView::Point(_))));
     let mut values = vec![];
     for tuft in curves.tufts() {
-        let view = tuft.view_named(name).unwrap_or(View::Shared(default));
+        let view = tuft.view_named(name).unwrap_or(AttributeView::Shared(default));
         for i in 0..tuft.len() {
             let points = tuft.range(i);
             match of_points {
@@ -283,7 +283,7 @@ fn of_curves<T: Item>(curves: &Curves, name: &str) -> Option<Column<'static, T>>
         }
     }
     let how = if of_points { Spread::Points } else { Spread::Curves };
-    Some(Column { values: values.into(), how })
+    Some(AttributeValues { values: values.into(), how })
 }
 
 #[derive(Clone, Copy)]
@@ -292,18 +292,18 @@ enum Spread<'a> {
     Curves,
     Points,
     /// As points are blended: the curves, and where the values of each begin.
-    Blended(&'a Drawn, &'a [usize]),
+    Blended(&'a EvaluatedCurves, &'a [usize]),
     /// Straight over each span.
-    Straight(&'a Drawn),
+    Straight(&'a EvaluatedCurves),
 }
 
 /// Values of one name.
-pub struct Column<'a, T: Clone> {
+pub struct AttributeValues<'a, T: Clone> {
     values: Cow<'a, [T]>,
     how: Spread<'a>,
 }
 
-impl<T: Blend> Column<'_, T> {
+impl<T: Lerp> AttributeValues<'_, T> {
     /// The value at point `point` of all, which is one of curve `curve`.
     #[inline]
     pub fn at(&self, curve: usize, point: usize) -> T {
@@ -319,7 +319,7 @@ impl<T: Blend> Column<'_, T> {
     }
 }
 
-impl<T: Clone> Column<'_, T> {
+impl<T: Clone> AttributeValues<'_, T> {
     /// Whether points of one curve may differ.
     pub fn is_of_points(&self) -> bool {
         !matches!(self.how, Spread::All | Spread::Curves)

@@ -1,16 +1,16 @@
 //! Ids, which no two curves share.
 
-use super::hair::Hair;
+use super::hair::MeasuredHair;
 
 /// Curves whose id another curve of the same hair has too; none where there are no ids.
-pub fn repeated(hair: &Hair) -> Option<usize> {
+pub fn repeated(hair: &MeasuredHair) -> Option<usize> {
     let mut ids = hair.whole("id")?;
     ids.sort_unstable();
     Some(ids.windows(2).filter(|w| w[0] == w[1]).count())
 }
 
 /// For each hair that has ids, how many of its curves share theirs with a curve of another.
-pub fn shared(all: &[Hair]) -> Vec<Option<usize>> {
+pub fn shared(all: &[MeasuredHair]) -> Vec<Option<usize>> {
     let ids: Vec<Option<Vec<i64>>> = all.iter().map(|hair| hair.whole("id")).collect();
     let of_hair = |(p, ids): (usize, &Option<Vec<i64>>)| {
         ids.iter().flatten().map(|id| (*id, p)).collect::<Vec<_>>()

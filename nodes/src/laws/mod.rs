@@ -1,12 +1,11 @@
-//! Laws of hair, read from finished hair alone: what coif promises of grooms, measured on whatever curves there are, by whomever they
-//! were made (methods.md 0 and 2 to 6).
+//! Laws of hair: what coif promises of grooms, measured on finished hair from any source (methods.md 0 and 2 to 6).
 //!
-//! A law takes [`Hair`], curves of a groom or of a file, and where it needs one a scalp, and gives a figure; whether it holds is a
-//! question to that. What curves do not tell is not judged: the figure is none. `coif measure`, tests of nodes, and what warns of hair
-//! that was made read it here and nowhere else; nothing that makes hair does.
+//! A law takes [`MeasuredHair`], curves of a groom or of a file, and a scalp where it needs one, and returns figures; methods of
+//! the figures judge them. What curves carry no data for is `None` and is not judged. `coif measure`, tests of nodes and the
+//! warnings of evaluation use these laws and no others; nothing that makes hair does.
 //!
-//! Guarantees: the same figures for a groom and for the file that was written of it, on every machine and any number of threads. Not
-//! promised: figures of curves that are not finite.
+//! Guarantees: the same figures for a groom and for its file, on every machine and for any number of threads. Not promised:
+//! figures of curves that are not finite.
 
 mod braid_spine;
 mod braid_strands;
@@ -25,7 +24,7 @@ pub mod stitches;
 pub mod strands;
 pub mod ties;
 
-pub use hair::Hair;
+pub use hair::MeasuredHair;
 
 #[cfg(test)]
 mod tests {
@@ -34,14 +33,14 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::define::Value;
     use crate::eval::PlainHost;
-    use crate::formats::export::{About, Format, Group, write};
+    use crate::formats::export::{About, Format, HairGroup, write};
     use crate::formats::usd::read::read_alone;
     use crate::testing::{Threads, curves_of, run};
     use glam::Vec3;
     use std::io::Cursor;
 
     /// Every figure of hair on the ball, in words.
-    fn figures(hair: &Hair) -> Vec<String> {
+    fn figures(hair: &MeasuredHair) -> Vec<String> {
         let scalp = shared_ball();
         let parted = partings::Partings::of(std::slice::from_ref(hair));
         vec![
@@ -68,11 +67,15 @@ mod tests {
     #[test]
     fn curves_measure_the_same_before_they_are_written_and_after_on_any_number_of_threads() {
         let check = |name: &str, curves: Curves, tells: &[usize]| {
-            let before = figures(&Hair::of(&curves, &PlainHost));
+            let before = figures(&MeasuredHair::of(&curves, &PlainHost));
             for k in tells {
                 assert_ne!(before[*k], "None", "{name} tells nothing of figure {k}");
             }
-            assert_eq!(figures(&Hair::of(&curves, &Threads(3))), before, "{name} on threads");
+            assert_eq!(
+                figures(&MeasuredHair::of(&curves, &Threads(3))),
+                before,
+                "{name} on threads"
+            );
             let about = About {
                 title: name.into(),
                 generator: "test".into(),
@@ -80,11 +83,11 @@ mod tests {
                 seed: 0,
                 sections: Default::default(),
             };
-            let group = [Group { name: name.into(), guides: false, curves }];
+            let group = [HairGroup { name: name.into(), guides: false, curves }];
             let mut file = Cursor::new(vec![]);
             write(Format::Usdc, &group, &[], &about, &mut file, &|| false).unwrap();
             let read = read_alone(&file.into_inner(), "usdc").unwrap().remove(0);
-            assert_eq!(figures(&Hair::read(&read, &PlainHost)), before, "{name} of a file");
+            assert_eq!(figures(&MeasuredHair::read(&read, &PlainHost)), before, "{name} of a file");
         };
         let row: Vec<Vec3> = (-20..=20).map(|k| Vec3::new(0.2 * k as f32, 20.0, 0.0)).collect();
         let row: Vec<Vec3> =

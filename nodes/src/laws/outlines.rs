@@ -1,4 +1,5 @@
-//! Outlines of puffs: how far out hairs reach in every direction, against the radius that they are told to have there: the same for all hairs of a sphere, each hair's own for an ellipsoid, a mesh or a drawn outline.
+//! Outlines of puffs: how far hair reaches in every direction, relative to the radius that it carries: the same for all hairs of
+//! a sphere, individual for an ellipsoid, a mesh or a drawn outline.
 //!
 //! Directions from the middle of a puff are cut into cells of equal area, 5 degrees wide, and each hair counts in the cell
 //! of its outermost point. A cell is clean that holds a hair which ends at the outline (methods.md 5), as long as no more than a
@@ -9,7 +10,7 @@
 //! coverage that was asked for, 12 degrees less; where none is told, it has to go down to 60 degrees. A puff of too
 //! few hairs is not judged.
 
-use super::hair::Hair;
+use super::hair::MeasuredHair;
 use crate::maths::transcendental::{acos, atan2, sin};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -18,70 +19,69 @@ use std::f32::consts::{PI, TAU};
 /// Puffs with an outline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Puffs {
-    /// How many.
+    /// Number of puffs.
     pub puffs: usize,
     /// Hairs of all puffs.
     pub hairs: usize,
     /// Hairs of the puff with the fewest.
     pub fewest: usize,
-    /// Smallest and largest radius that is told, cm.
+    /// Smallest and largest radius of the outlines, cm.
     pub radius_cm: [f32; 2],
-    /// Degrees from its top down to which a cap as large as what is filled of the outline goes: the puff that lacks the most of
-    /// what was asked, or has the least.
+    /// Angle in degrees from the top of a cap that is as large as the filled part of the outline: for the puff that falls
+    /// shortest of its request, or has the least.
     pub coverage: f32,
-    /// What was asked of that puff; none where nothing tells it.
-    pub asked: Option<f32>,
-    /// How ragged it was asked to be; all 0 where nothing tells it.
+    /// Requested coverage of that puff; `None` if unknown.
+    pub requested: Option<f32>,
+    /// Its requested roughness; all 0 if unknown.
     pub edge: Edge,
-    /// Hairs in the mean in a cell within the coverage: the puff with the fewest.
+    /// Mean number of hairs per cell within the coverage: of the puff with the fewest.
     pub a_cell: f32,
-    /// Share of cells within the coverage that are clean to 3 % of the radius: the worst puff.
+    /// Fraction of cells within the coverage that are clean to 3 % of the radius: of the worst puff.
     pub within: f32,
-    /// Distance of the outline from that hair of a cell which comes closest, as a share of its radius: 95 % of the cells
-    /// have less.
+    /// Distance from the outline of the closest hair in a cell, as a fraction of the radius: 95th percentile over cells.
     pub deviation: f32,
-    /// Share of hairs that stand over the outline by more than 3 %: the puff with the most.
+    /// Fraction of hairs that exceed the outline by more than 3 %: of the puff with the most.
     pub over: f32,
 }
 
-/// What was asked of an outline that need not be clean.
+/// Requested roughness of an outline.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Edge {
-    /// By how much deeper the innermost tips end than the outermost, as a share of the radius.
+    /// How much deeper the innermost tips end than the outermost, as a fraction of the radius.
     pub deeper: f32,
-    /// How far tips may lie beside it, cm.
+    /// How far tips may lie off the outline, cm.
     pub beside_cm: f32,
-    /// Share of hairs that may stand over it.
+    /// Fraction of hairs that may exceed it.
     pub over: f32,
 }
 
 /// Width of a cell, radians.
 const CELL: f32 = PI / 36.0;
 const RINGS: usize = 36;
-/// Fewer hairs than this for each cell of the sphere make no outline: of 3, a cell in 20 is empty by chance.
+/// Number of hairs per cell of the sphere below which an outline is not judged: with 3, a cell in 20 is empty by chance.
 const JUDGED: f32 = 5.0;
-/// Degrees from the axis to which an outline must go at least where nothing tells what was asked.
+/// Smallest coverage in degrees where no request is known.
 const LEAST: f32 = 60.0;
-/// Degrees that may lack of what was asked: hair is pressed on the head, and cells are whole.
+/// Tolerance of the coverage, degrees: hair is pressed on the head, and cells are whole.
 const LACKS: f32 = 12.0;
 
 impl Puffs {
-    /// Whether each puff has hair enough to tell its outline.
+    /// Whether each puff has enough hair to judge its outline.
     pub fn can_be_judged(&self) -> bool {
         self.fewest as f32 >= JUDGED * 4.0 * PI / (CELL * CELL)
     }
-    /// Whether the outlines are as clean as asked, and go down as far.
+    /// Whether the outlines are as clean as requested, and reach as far down.
     pub fn are_clean(&self) -> bool {
         self.within >= 0.95 && self.are_covered()
     }
-    /// Whether each puff goes down as far as was asked.
+    /// Whether each puff reaches as far down as requested.
     pub fn are_covered(&self) -> bool {
-        self.coverage >= self.asked.map_or(LEAST, |asked| asked - LACKS)
+        self.coverage >= self.requested.map_or(LEAST, |asked| asked - LACKS)
     }
 }
 
-/// The outlines of puffs; none where there are none.
-pub fn measure(hair: &Hair) -> Option<Puffs> {
+/// The outlines of puffs; `None` without puffs.
+pub fn measure(hair: &MeasuredHair) -> Option<Puffs> {
     let puff = hair.whole("puff")?;
     let (centre, radius) = (hair.vectors("puff_centre")?, hair.numbers("puff_radius")?);
     let coverage = hair.numbers("puff_coverage");
@@ -98,7 +98,7 @@ pub fn measure(hair: &Hair) -> Option<Puffs> {
         fewest: members.values().map(Vec::len).min().unwrap_or(0),
         radius_cm: [f32::MAX, 0.0],
         coverage: 180.0,
-        asked: None,
+        requested: None,
         edge: Edge::default(),
         a_cell: f32::MAX,
         within: 1.0,
@@ -110,7 +110,7 @@ pub fn measure(hair: &Hair) -> Option<Puffs> {
         let middle = centre.at(hairs[0], first);
         let root = hairs.iter().map(|i| hair.curve(*i)[0]).sum::<Vec3>() / hairs.len() as f32;
         let away = (middle - root).normalize_or(Vec3::Y);
-        // The root, which may lie beside the sphere, is no part of the outline.
+        // The root is not part of the outline; it may lie beside the sphere.
         let outermost = hairs.iter().filter_map(|i| {
             let curve = hair.curve(*i);
             let far = |p: &&Vec3| p.distance_squared(middle);
@@ -128,8 +128,8 @@ pub fn measure(hair: &Hair) -> Option<Puffs> {
         let asked =
             coverage.as_ref().map(|asked| asked.at(hairs[0], first)).filter(|asked| *asked > 0.0);
         let lacks = |asked: Option<f32>, found: f32| asked.unwrap_or(LEAST + LACKS) - found;
-        if k == 0 || lacks(asked, outline.coverage) > lacks(out.asked, out.coverage) {
-            (out.asked, out.coverage, out.edge) = (asked, outline.coverage, edge);
+        if k == 0 || lacks(asked, outline.coverage) > lacks(out.requested, out.coverage) {
+            (out.requested, out.coverage, out.edge) = (asked, outline.coverage, edge);
         }
         out.a_cell = out.a_cell.min(outline.a_cell);
         out.over = out.over.max(outline.over);
@@ -147,19 +147,19 @@ struct Outline {
     over: f32,
 }
 
-/// What lies in one cell.
+/// Hair in one cell.
 #[derive(Clone, Copy)]
 struct Cell {
     hairs: usize,
-    /// Those that stand over the outline.
+    /// Number of hairs that exceed the outline.
     over: usize,
-    /// How far the hair that comes closest to the outline is from it, and how far out any goes, as shares of the radius.
+    /// Distance from the outline of the closest hair, and that of the outermost, as fractions of the radius.
     nearest: f32,
     farthest: f32,
 }
 
 impl Cell {
-    /// Of so many hairs whose tips lie anywhere so deep, the outermost of 95 cells in 100 is not deeper than this.
+    /// Depth that the outermost of this many hairs stays within in 95 of 100 cells, if tips are spread evenly over `depth`.
     fn chance(&self, edge: Edge) -> f32 {
         edge.deeper * (LIKELY / self.hairs.max(1) as f32).min(1.0)
     }
@@ -170,14 +170,14 @@ impl Cell {
     }
 }
 
-/// Three parts of the depth for each hair: the logarithm of 20.
+/// Three times the depth per hair: the logarithm of 20.
 const LIKELY: f32 = 3.0;
 
-/// How far from the outline a hair may end, as a share of the radius.
+/// Tolerance of the distance from the outline, as a fraction of the radius.
 const CLEAN: f32 = 0.03;
 
 impl Outline {
-    /// Of the outermost point of each hair, with the outline's radius there.
+    /// Cells of the outermost CV of each hair, with the outline's radius there.
     fn of(points: impl Iterator<Item = (Vec3, f32)>, middle: Vec3, away: Vec3, edge: Edge) -> Self {
         let side = away.any_orthonormal_vector();
         let other = away.cross(side);
@@ -211,7 +211,7 @@ impl Outline {
             let full = of_ring.iter().filter(is_full).count();
             2 * full > of_ring.len()
         };
-        // By area, so that it does not hang from the axis, which is that of the roots.
+        // By area, so that it does not depend on the axis, which follows the roots.
         let full = cells.iter().filter(is_full).count() as f32 / cells.len() as f32;
         let rings = (0..RINGS).take_while(|ring| filled(*ring)).count();
         let inside = &cells[..starts[rings.saturating_sub(1)]];
@@ -303,7 +303,7 @@ mod tests {
         ];
         primvars.extend(asked.map(|asked| ("puff_coverage", ReadValues::Float(vec![asked]))));
         primvars.extend(edge.map(|edge| ("puff_edge", ReadValues::Float3(vec![edge]))));
-        measure(&Hair::read(&read_of(&hairs, &primvars), &PlainHost)).unwrap()
+        measure(&MeasuredHair::read(&read_of(&hairs, &primvars), &PlainHost)).unwrap()
     }
 
     #[test]
@@ -325,7 +325,12 @@ mod tests {
     fn an_outline_is_judged_against_the_coverage_that_was_asked() {
         for (asked, covered) in [(Some(120.0), true), (Some(160.0), false), (None, true)] {
             let found = judged(1, asked);
-            assert_eq!((found.asked, found.are_covered()), (asked, covered), "{}", found.coverage);
+            assert_eq!(
+                (found.requested, found.are_covered()),
+                (asked, covered),
+                "{}",
+                found.coverage
+            );
         }
     }
 

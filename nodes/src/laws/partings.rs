@@ -9,8 +9,8 @@
 //! `along` is told point by point a hair has joined where that begins to grow; the step that leads into its strand is the
 //! braid's, which may be wider than its section.
 
-use super::hair::{Column, Hair, in_parts};
-use super::ties::Held;
+use super::hair::{AttributeValues, MeasuredHair, in_parts};
+use super::ties::TieAttributes;
 use crate::data::curves::Curves;
 use crate::data::scalp::Scalp;
 use crate::data::sections::Sections;
@@ -29,20 +29,20 @@ pub struct Parted {
     pub partings: usize,
     /// Half their width, cm: smallest and largest.
     pub half_width_cm: [f32; 2],
-    /// Hairs that cross one on the scalp.
+    /// Number of hairs that cross one on the scalp.
     pub crossing: usize,
-    /// Hairs that are rooted nearer to one than half its width.
+    /// Number of hairs rooted within half the width of one.
     pub rooted_in: usize,
 }
 
-/// Hair farther off the skin than this, cm, passes over a parting; it does not cross it.
+/// Height above the skin, cm, beyond which hair passes over a parting without crossing it.
 const ON: f32 = 0.25;
-/// Hair of a braid that does not tell where it joins counts as far as this, cm.
+/// Length, cm, up to which hair of a braid counts where it does not carry the place it joins.
 const TO_ITS_BRAID: f32 = 1.0;
-/// A root this little (cm) within a parting's width is rounding.
+/// Depth of a root within a parting's width that counts as rounding, cm.
 const ROUNDING: f32 = 0.005;
 
-/// A piece of a parting.
+/// A segment of a parting.
 #[derive(Clone, Copy)]
 struct Piece {
     from: Vec3,
@@ -51,7 +51,7 @@ struct Piece {
     half: f32,
 }
 
-/// All partings, found by place.
+/// All partings, indexed by place.
 pub struct Partings {
     count: usize,
     half: [f32; 2],
@@ -64,8 +64,8 @@ pub struct Partings {
 const CELL: f32 = 0.5;
 
 impl Partings {
-    /// The partings among all these curves; none where there are none.
-    pub fn of(all: &[Hair]) -> Option<Self> {
+    /// The partings among all these curves; `None` without any.
+    pub fn of(all: &[MeasuredHair]) -> Option<Self> {
         let mut pieces = vec![];
         let mut ids = vec![];
         for hair in all {
@@ -141,10 +141,10 @@ impl Partings {
     }
 
     /// How hair keeps to them.
-    pub fn judge(&self, hair: &Hair) -> Parted {
-        let joined = hair.numbers("along").filter(Column::is_of_points);
+    pub fn judge(&self, hair: &MeasuredHair) -> Parted {
+        let joined = hair.numbers("along").filter(AttributeValues::is_of_points);
         let braid = hair.whole("braid");
-        let tied = Held::of(hair);
+        let tied = TieAttributes::of(hair);
         let parts = hair.in_parts(hair.len(), 1000, |part| {
             let (mut crossing, mut rooted_in) = (0, 0);
             for i in part {
@@ -181,9 +181,9 @@ impl Partings {
         }
     }
 
-    /// Whether the way from `a` to `b` leads from one side of a parting to the other, on the skin.
+    /// Whether the segment from `a` to `b` crosses a parting on the skin.
     fn crossed(&self, a: Vec3, b: Vec3) -> bool {
-        // Long steps are looked at in pieces of a cell.
+        // Long segments are tested in pieces of one cell.
         let pieces = (a.distance(b) / (0.5 * CELL)).ceil().clamp(1.0, 200.0) as usize;
         (0..pieces).any(|k| {
             let at = |k: usize| a.lerp(b, k as f32 / pieces as f32);
@@ -194,7 +194,7 @@ impl Partings {
 }
 
 /// How many steps a hair of a braid takes before the one that leads into its strand, by where it is `along` its braid.
-fn joins(along: &Column<f32>, i: usize, points: Range<usize>) -> usize {
+fn joins(along: &AttributeValues<f32>, i: usize, points: Range<usize>) -> usize {
     let root = along.at(i, points.start);
     // What is no number says nothing of a braid: such a hair is judged to its end.
     let grows = |k: usize| along.at(i, k).partial_cmp(&root) == Some(Ordering::Greater);
@@ -283,8 +283,8 @@ mod tests {
     #[track_caller]
     fn check(hair: &[Vec3], crossing: usize, rooted_in: usize) {
         let (parting, hair) = (parting(), read_of(&[hair], &[]));
-        let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
-        let found = partings.judge(&Hair::read(&hair, &PlainHost));
+        let partings = Partings::of(&[MeasuredHair::read(&parting, &PlainHost)]).unwrap();
+        let found = partings.judge(&MeasuredHair::read(&hair, &PlainHost));
         assert_eq!((found.crossing, found.rooted_in), (crossing, rooted_in));
         assert_eq!((found.partings, found.half_width_cm), (1, [0.1; 2]));
     }
@@ -314,8 +314,8 @@ mod tests {
                     ("along", ReadValues::Float(along.to_vec())),
                 ],
             );
-            let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
-            let found = partings.judge(&Hair::read(&hair, &PlainHost));
+            let partings = Partings::of(&[MeasuredHair::read(&parting, &PlainHost)]).unwrap();
+            let found = partings.judge(&MeasuredHair::read(&hair, &PlainHost));
             assert_eq!(found.crossing, crossing, "{along:?}");
         };
         check([0.0, 0.0, 0.1, 0.2, 0.3], 0);
@@ -340,8 +340,8 @@ mod tests {
                     ("tie_radius", ReadValues::Float(vec![radius])),
                 ],
             );
-            let partings = Partings::of(&[Hair::read(&parting, &PlainHost)]).unwrap();
-            let found = partings.judge(&Hair::read(&hair, &PlainHost));
+            let partings = Partings::of(&[MeasuredHair::read(&parting, &PlainHost)]).unwrap();
+            let found = partings.judge(&MeasuredHair::read(&hair, &PlainHost));
             assert_eq!(found.crossing, crossing, "{tie} {radius}");
         };
         let before = Vec3::new(-0.6, 0.4, 4.5);

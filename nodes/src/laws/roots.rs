@@ -1,6 +1,6 @@
 //! Roots: on the skin, and where they are told to be.
 
-use super::hair::{Hair, quantile};
+use super::hair::{MeasuredHair, quantile};
 use crate::data::attributes::{ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::curves::Curves;
 use crate::data::scalp::Scalp;
@@ -23,7 +23,7 @@ impl Roots {
 }
 
 /// Roots of all curves but those that were fed into a braid, which have none.
-pub fn measure(hair: &Hair, scalp: &Scalp) -> Roots {
+pub fn measure(hair: &MeasuredHair, scalp: &Scalp) -> Roots {
     let surface = scalp.surface();
     let fed = hair.whole("fed");
     let parts = hair.in_parts(hair.len(), 200, |part| {
@@ -71,7 +71,7 @@ mod tests {
             b.set(ROOT_TRIANGLE, Domain::Curve, vec![triangle]);
             b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
             let curves = Curves::new(vec![Arc::new(b.build())]);
-            let found = measure(&Hair::of(&curves, &PlainHost), &scalp);
+            let found = measure(&MeasuredHair::of(&curves, &PlainHost), &scalp);
             assert_eq!(found.are_on_the_skin(), on, "{lift}: {found:?}");
             let told = off_their_places(&curves, &scalp);
             assert!(told == off || (told - off).abs() < 1e-4, "{lift} {triangle}: {told}");

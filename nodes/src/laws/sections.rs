@@ -1,27 +1,27 @@
-//! Hair of each section between partings.
+//! Hair by section of the scalp.
 
-use super::hair::{Hair, quantile};
+use super::hair::{MeasuredHair, quantile};
 
-/// Hair of each section.
+/// Hair by section.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sections {
-    /// How many have hair.
+pub struct HairBySection {
+    /// Number of sections with hair.
     pub sections: usize,
-    /// Hairs that belong to none.
+    /// Hairs without a section.
     pub without: usize,
-    /// Fewest, middle and most hairs of a section.
+    /// Fewest, median and most hairs of a section.
     pub hairs: [usize; 3],
 }
 
-/// Hairs of each section; none where no hair tells its section.
-pub fn measure(hair: &Hair) -> Option<Sections> {
+/// Hair by section; `None` if no hair carries its section.
+pub fn measure(hair: &MeasuredHair) -> Option<HairBySection> {
     let mut section = hair.whole("section")?;
     section.sort_unstable();
     let without = section.iter().filter(|s| **s == 0).count();
     let sizes = section.chunk_by(|a, b| a == b).filter(|c| c[0] != 0).map(<[i64]>::len);
     let mut sizes: Vec<f32> = sizes.map(|n| n as f32).collect();
     sizes.sort_by(f32::total_cmp);
-    (!sizes.is_empty()).then(|| Sections {
+    (!sizes.is_empty()).then(|| HairBySection {
         sections: sizes.len(),
         without,
         hairs: [0.0, 0.5, 1.0].map(|q| quantile(&sizes, q) as usize),
@@ -40,7 +40,7 @@ mod tests {
     fn sections_are_counted() {
         let hair: &[Vec3] = &[Vec3::ZERO, Vec3::Y];
         let hairs = read_of(&[hair; 6], &[("section", ReadValues::Int(vec![0, 4, 4, 9, 4, 0]))]);
-        let found = measure(&Hair::read(&hairs, &PlainHost)).unwrap();
+        let found = measure(&MeasuredHair::read(&hairs, &PlainHost)).unwrap();
         assert_eq!((found.sections, found.without, found.hairs), (2, 2, [1, 3, 3]));
     }
 }

@@ -1,27 +1,27 @@
-//! How hair joins braids: at which stitches, how many at each, and which at none.
+//! How hair joins braids: at which stitches, how many hairs at each, and how many at none.
 
-use super::hair::Hair;
+use super::hair::MeasuredHair;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How hair joins braids.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joined {
-    /// Hairs that grow and join.
+    /// Growing hairs that join.
     pub grown: usize,
     /// Extension hairs fed in.
     pub fed: usize,
     /// Hairs of braids that join at no stitch.
     pub unjoined: usize,
-    /// Stitches at which hair joins, of all braids.
+    /// Number of stitches with joining hair, of all braids.
     pub stitches: usize,
-    /// Stitches between a braid's first and last with hair at which none joins.
+    /// Number of stitches without any, between a braid's first and last with some.
     pub empty_stitches: usize,
-    /// Fewest, middle and most hairs joined at a stitch where any do.
+    /// Fewest, median and most hairs that join at a stitch where any do.
     pub a_stitch: [usize; 3],
 }
 
-/// How the hair of braids joins them; none where nothing tells it.
-pub fn measure(hair: &Hair) -> Option<Joined> {
+/// How the hair of braids joins them; `None` if it carries no stitches.
+pub fn measure(hair: &MeasuredHair) -> Option<Joined> {
     let (braid, stitch) = (hair.whole("braid")?, hair.whole("stitch")?);
     let fed = hair.whole("fed").unwrap_or_else(|| vec![0; hair.len()]);
     let mut counts: BTreeMap<(i64, i64), usize> = BTreeMap::new();
@@ -69,7 +69,7 @@ mod tests {
             ("fed", ReadValues::Int(vec![0, 0, 0, 0, 1, 0, 0, 0])),
         ];
         let read = read_of(&[hair; 8], &primvars);
-        let joined = measure(&Hair::read(&read, &PlainHost)).unwrap();
+        let joined = measure(&MeasuredHair::read(&read, &PlainHost)).unwrap();
         assert_eq!((joined.grown, joined.fed, joined.unjoined), (5, 1, 1));
         assert_eq!((joined.stitches, joined.empty_stitches, joined.a_stitch), (3, 1, [1, 1, 3]));
     }

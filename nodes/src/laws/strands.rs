@@ -1,6 +1,6 @@
 //! Every curve: its points, length, thickness and evenness, and whether others read it as coif does.
 
-use super::hair::{Hair, quantile};
+use super::hair::{MeasuredHair, quantile};
 use crate::data::curves::MOST_A_CURVE;
 use crate::formats::usd::form::Basis;
 use crate::maths::catmull_rom_agreement::AGREE;
@@ -49,7 +49,7 @@ impl Strands {
 }
 
 /// Looks at every curve.
-pub fn measure(hair: &Hair) -> Strands {
+pub fn measure(hair: &MeasuredHair) -> Strands {
     let shapes = Shapes::of(hair);
     let corners = hair.points().iter().fold(None, |corners: Option<(Vec3, Vec3)>, p| {
         Some(corners.map_or((*p, *p), |(lo, hi)| (lo.min(*p), hi.max(*p))))
@@ -79,7 +79,7 @@ struct Shapes {
 }
 
 impl Shapes {
-    fn of(hair: &Hair) -> Self {
+    fn of(hair: &MeasuredHair) -> Self {
         let parts = hair.in_parts(hair.len(), 500, |part| {
             let mut out = Self { lengths: vec![], spacing: 1.0, difference: 0.0 };
             let mut spline = Spline::default();

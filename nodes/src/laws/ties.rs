@@ -1,36 +1,36 @@
-//! Whether hair passes the tie that holds it: how near its way comes to the middle of the ring in which the tie lets it go, against
-//! the ring's radius, and how far it goes on behind.
+//! Whether hair passes through the tie that holds it: its smallest distance from the centre of the tie's ring, relative to the
+//! radius, and its length beyond.
 //!
-//! A hair is held by a tie where the middle and the radius of one are told for it. It passes where its way comes as near as the
-//! radius, and 0.2 cm more: within the band.
+//! A hair is held by a tie if it carries the centre and radius of one. It passes if its distance is at most the radius plus 0.2
+//! cm, which is within the band.
 
-use super::hair::{Column, Hair, quantile};
+use super::hair::{AttributeValues, MeasuredHair, quantile};
 use crate::maths::nearest_on;
 use glam::Vec3;
 use std::collections::BTreeSet;
 
-/// Hair that ties hold.
+/// Hair held by ties.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ties {
-    /// Rings of different middles.
+    /// Number of rings with different centres.
     pub ties: usize,
-    /// Hairs that are held by one.
+    /// Number of hairs held by one.
     pub hairs: usize,
-    /// Those of them that do not pass it.
+    /// Number of those that do not pass through it.
     pub beside: usize,
-    /// Nearest distance of a hair from the middle of its ring, in radii: of the middle hair, and of the one farthest off.
+    /// Smallest distance of a hair from the centre of its ring, in radii: median and largest over hairs.
     pub off: [f32; 2],
-    /// Length of hair behind its tie, cm: of 5 % of the hairs at most, the middle, the longest.
+    /// Length of hair beyond its tie, cm: 5th percentile, median, largest.
     pub behind_cm: [f32; 3],
 }
 
-/// How much farther from the middle than its radius a hair may pass, cm: as thick as a band is. A tail may begin a little thicker
-/// than its tie, and its hair goes smoothly through the bend there, to less than a millimetre.
+/// Tolerance of the radius, cm: the thickness of a band. A tail may begin slightly thicker than its tie, and its hair bends
+/// smoothly through it, within a millimetre.
 const LOOSE: f32 = 0.2;
 
-/// How hair passes its ties; none where no tie holds any.
-pub fn measure(hair: &Hair) -> Option<Ties> {
-    let ties = Held::of(hair)?;
+/// How hair passes its ties; `None` without ties.
+pub fn measure(hair: &MeasuredHair) -> Option<Ties> {
+    let ties = TieAttributes::of(hair)?;
     let held: Vec<usize> = (0..hair.len()).filter(|i| ties.tie(hair, *i).is_some()).collect();
     if held.is_empty() {
         return None;
@@ -60,25 +60,25 @@ pub fn measure(hair: &Hair) -> Option<Ties> {
     })
 }
 
-/// The ties that hold hairs.
-pub(super) struct Held<'a>(Column<'a, Vec3>, Column<'a, f32>);
+/// Centre and radius of ties, as hairs carry them.
+pub(super) struct TieAttributes<'a>(AttributeValues<'a, Vec3>, AttributeValues<'a, f32>);
 
-impl<'a> Held<'a> {
-    pub(super) fn of(hair: &'a Hair) -> Option<Self> {
+impl<'a> TieAttributes<'a> {
+    pub(super) fn of(hair: &'a MeasuredHair) -> Option<Self> {
         Some(Self(hair.vectors("tie")?, hair.numbers("tie_radius")?))
     }
-    /// Middle and radius of the tie of a hair.
-    fn tie(&self, hair: &Hair, i: usize) -> Option<(Vec3, f32)> {
+    /// Centre and radius of a hair's tie.
+    fn tie(&self, hair: &MeasuredHair, i: usize) -> Option<(Vec3, f32)> {
         if hair.curve(i).is_empty() {
             return None;
         }
         let first = hair.range(i).start;
         let radius = self.1.at(i, first);
-        // A radius that is no number, or boundless, is none: every hair would pass.
+        // A radius that is not finite counts as none: every hair would pass.
         (radius > 0.0 && radius < 1e6).then(|| (self.0.at(i, first), radius))
     }
-    /// How long a hair is up to the tie that it passes.
-    pub(super) fn until(&self, hair: &Hair, i: usize) -> Option<f32> {
+    /// Length of a hair up to its tie.
+    pub(super) fn until(&self, hair: &MeasuredHair, i: usize) -> Option<f32> {
         let (middle, radius) = self.tie(hair, i)?;
         let points = hair.curve(i);
         let (far, behind) = passes(points, middle);
@@ -87,7 +87,7 @@ impl<'a> Held<'a> {
     }
 }
 
-/// How near the straight way through the points comes to a place, and how long it is from there on.
+/// Smallest distance of a polyline from a point, and its length beyond the closest place.
 fn passes(points: &[Vec3], place: Vec3) -> (f32, f32) {
     let last = points.last().map_or(f32::NAN, |p| p.distance(place));
     let (mut nearest, mut at, mut walked) = (last, f32::MAX, 0.0);
@@ -122,7 +122,7 @@ mod tests {
                 ("tie", ReadValues::Float3(vec![middle])),
                 ("tie_radius", ReadValues::Float(radii)),
             ];
-            measure(&Hair::read(&read_of(&curves, &primvars), &PlainHost))
+            measure(&MeasuredHair::read(&read_of(&curves, &primvars), &PlainHost))
         };
         let all = told(vec![1.0], Vec3::Y * -8.0).unwrap();
         assert_eq!((all.ties, all.hairs, all.beside), (1, 4, 2));
@@ -148,9 +148,9 @@ mod tests {
                 ("tie_radius", ReadValues::Float(vec![1.0; 3])),
             ],
         );
-        let hair = Hair::read(&read, &PlainHost);
+        let hair = MeasuredHair::read(&read, &PlainHost);
         assert_eq!(measure(&hair).map(|ties| ties.hairs), Some(1));
-        let held = Held::of(&hair).unwrap();
+        let held = TieAttributes::of(&hair).unwrap();
         assert!(held.until(&hair, 0).is_some() && held.until(&hair, 1).is_none());
     }
 }

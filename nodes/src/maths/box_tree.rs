@@ -1,26 +1,26 @@
-//! Boxes in a tree: which of them may something touch?
+//! A bounding-volume hierarchy over boxes: which of them may something touch?
 //!
-//! Built once and asked often. Guarantees: no box that is touched is left out, however coordinates round; a question costs
-//! what it touches and the logarithm of all, whether boxes lie close or far and are small or large. Not promised: that what is
-//! found is touched, for a leaf holds several boxes; an order of what is found.
+//! Guarantees: every touched box is found, whatever rounding does; a query costs the number of boxes found and the logarithm of
+//! all, for boxes of any size and distribution. Not promised: that every box found is touched, since a leaf holds several; any
+//! order of results.
 
 use glam::Vec3;
 use std::ops::Range;
 
-/// A box along the axes, as its middle and half its sides.
+/// An axis-aligned box, as its centre and half extents.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Block {
+pub struct Aabb {
     middle: Vec3,
     half: Vec3,
 }
 
-impl Block {
-    /// The box between two corners, a little larger: by more than what tests on it may round off.
+impl Aabb {
+    /// The box between two corners, enlarged by more than tests on it may round off.
     pub fn new(low: Vec3, high: Vec3) -> Self {
         let (middle, half) = (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
         Self { middle, half: half + 1e-6 * (middle.abs() + half) }
     }
-    /// Whether the two have a point in common.
+    /// Whether the two intersect.
     #[inline]
     pub fn touches(&self, other: &Self) -> bool {
         let (apart, near) = ((self.middle - other.middle).abs(), self.half + other.half);
@@ -28,26 +28,26 @@ impl Block {
     }
 }
 
-/// What is nearer to a piece of a straight line than some distance.
+/// A query: all points within some distance of a line segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Rod {
     middle: Vec3,
-    /// Half the way from end to end, and its size along each axis.
+    /// Half the vector from end to end, and its absolute value.
     way: Vec3,
     size: Vec3,
     thick: f32,
 }
 
 impl Rod {
-    /// The line from `a` to `b`, as thick as `thick` on every side.
+    /// The segment from `a` to `b`, with `thick` on every side.
     pub fn new(a: Vec3, b: Vec3, thick: f32) -> Self {
         let way = 0.5 * b - 0.5 * a;
         Self { middle: 0.5 * a + 0.5 * b, way, size: way.abs(), thick }
     }
-    /// Whether the line touches the box, grown by the thickness on every side. By separating axes (Ericson, Real-Time
-    /// Collision Detection, 5.3.3): no division, so that lines along an axis and without length are nothing special.
+    /// Whether the segment touches the box, grown by the thickness on every side. By separating axes (Ericson, Real-Time
+    /// Collision Detection, 5.3.3): no division, so axis-parallel and zero-length segments need no special case.
     #[inline]
-    pub fn touches(&self, block: &Block) -> bool {
+    pub fn touches(&self, block: &Aabb) -> bool {
         let (t, h) = (block.middle - self.middle, block.half + self.thick);
         let (way, size) = (self.way, self.size);
         t.x.abs() <= h.x + size.x
@@ -59,12 +59,12 @@ impl Rod {
     }
 }
 
-/// Some boxes of the tree that lie together.
+/// A leaf: some boxes that are close together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Leaf {
-    /// Its number among the tree's nodes; the parent of node `n` is node `(n - 1) / 2`, the root has number 0.
+    /// Index of its node; the parent of node `n` is `(n - 1) / 2`, the root is 0.
     pub node: usize,
-    /// Where its boxes stand in [`BoxTree::order`].
+    /// Range of its boxes in [`BoxTree::order`].
     pub boxes: Range<usize>,
 }
 
@@ -72,11 +72,11 @@ pub struct Leaf {
 #[derive(Debug)]
 pub struct BoxTree {
     /// As a heap: the children of `n` are `2 n + 1` and `2 n + 2`.
-    nodes: Vec<Block>,
+    nodes: Vec<Aabb>,
     order: Vec<u32>,
 }
 
-/// So many boxes are not divided further.
+/// Largest number of boxes in a leaf.
 const FEW: usize = 8;
 
 impl BoxTree {
@@ -88,13 +88,13 @@ impl BoxTree {
         while boxes.len().div_ceil(parts) > FEW {
             parts *= 2;
         }
-        let mut nodes = vec![Block::default(); 2 * parts - 1];
+        let mut nodes = vec![Aabb::default(); 2 * parts - 1];
         if !boxes.is_empty() {
             build(&mut items, boxes, &mut nodes, 0);
         }
         Self { nodes, order: items.into_iter().map(|(_, number)| number).collect() }
     }
-    /// Numbers of the boxes as they lie in the tree.
+    /// Indices of the boxes in tree order.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
@@ -102,18 +102,18 @@ impl BoxTree {
     pub fn nodes(&self) -> usize {
         self.nodes.len()
     }
-    /// Puts the leaves that something touches into `found`. `touches` is asked for nodes, by number and box.
+    /// Puts the leaves that something touches into `found`. `touches` is called with index and box of a node.
     #[inline]
-    pub fn find(&self, touches: impl Fn(usize, &Block) -> bool, found: &mut Vec<Leaf>) {
+    pub fn find(&self, touches: impl Fn(usize, &Aabb) -> bool, found: &mut Vec<Leaf>) {
         found.clear();
         self.walk(touches, |leaf| {
             found.push(leaf);
             true
         });
     }
-    /// Whether there is a leaf that something touches.
+    /// Whether any leaf is touched.
     #[inline]
-    pub fn any(&self, touches: impl Fn(usize, &Block) -> bool) -> bool {
+    pub fn any(&self, touches: impl Fn(usize, &Aabb) -> bool) -> bool {
         let mut any = false;
         self.walk(touches, |_| {
             any = true;
@@ -121,13 +121,13 @@ impl BoxTree {
         });
         any
     }
-    /// Goes on as long as `each` says so.
+    /// Continues while `each` returns true.
     #[inline]
-    fn walk(&self, touches: impl Fn(usize, &Block) -> bool, mut each: impl FnMut(Leaf) -> bool) {
+    fn walk(&self, touches: impl Fn(usize, &Aabb) -> bool, mut each: impl FnMut(Leaf) -> bool) {
         if self.order.is_empty() || !touches(0, &self.nodes[0]) {
             return;
         }
-        // One waits on each level at most; there are fewer than 32, for numbers have 32 bits.
+        // At most one waits on each level; there are fewer than 32, since indices have 32 bits.
         let mut waiting = [(0u32, 0u32, 0u32); 32];
         let mut waits = 0;
         let mut at = (0, 0, self.order.len() as u32);
@@ -171,7 +171,7 @@ impl BoxTree {
 fn build(
     items: &mut [(Vec3, u32)],
     boxes: &[(Vec3, Vec3)],
-    nodes: &mut [Block],
+    nodes: &mut [Aabb],
     node: usize,
 ) -> (Vec3, Vec3) {
     let none = (Vec3::MAX, Vec3::MIN);
@@ -193,7 +193,7 @@ fn build(
         let (l, h) = build(right, boxes, nodes, 2 * node + 2);
         (low.min(l), high.max(h))
     };
-    nodes[node] = Block::new(corners.0, corners.1);
+    nodes[node] = Aabb::new(corners.0, corners.1);
     corners
 }
 

@@ -1,10 +1,9 @@
-//! The closest point of a triangle surface, rays against it, and which side of it a point is on.
+//! Closest points of a triangle mesh, rays against it, and which side of it a point is on.
 //!
-//! Ties are settled by rule (the lowest triangle wins), so that the answer is the same bits on every machine and for every tree. The
-//! side is told by the
-//! pseudo-normal of the closest feature (Baerentzen and Aanaes 2005, "Signed distance computation
-//! using the angle weighted pseudonormal"): exact for closed surfaces, and right near the surface for
-//! open ones. Far behind a hole the side is a matter of opinion and not promised.
+//! Ties go to the lowest triangle, so that the answer has the same bits on every machine and for every tree. The side follows
+//! from the pseudo-normal of the closest feature (Baerentzen and Aanaes 2005, "Signed distance computation using the angle
+//! weighted pseudonormal"): exact for closed surfaces, and right near the surface of open ones. Far behind a hole the side is
+//! undefined.
 
 use super::triangle_tree::{Nearest, TriangleTree};
 use glam::{Vec2, Vec3};
@@ -15,37 +14,36 @@ pub struct Surface {
     pub points: Vec<Vec3>,
     /// Counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Smooth vertex normals: face normals weighted by their angle at the vertex. Unit; zero where no
-    /// face has area.
+    /// Smooth vertex normals: face normals weighted by their angle at the vertex. Unit; zero if no face has area.
     pub normals: Vec<Vec3>,
     edge_normals: Vec<[Vec3; 3]>,
-    /// How many vertices there are at which the mesh ends.
+    /// Number of boundary vertices.
     ends: usize,
     tree: TriangleTree,
-    /// Which triangles nothing meets; empty where all are met.
+    /// For each triangle, whether it is removed; empty if none is.
     gone: Vec<bool>,
 }
 
 /// A point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Which triangle.
+    /// Index of the triangle.
     pub triangle: u32,
     /// Barycentric coordinates of the second and third corner; the first has the rest.
     pub bary: Vec2,
     /// The point itself.
     pub point: Vec3,
-    /// From the asked point, or along the ray.
+    /// Distance from the query point, or along the ray.
     pub distance: f32,
 }
 
-/// Points farther off (cm) are taken for nearer ones on the same side.
+/// Query points farther off (cm) are moved closer, on the same side.
 const FARAWAY: f32 = 1e5;
-/// Nothing has been found yet.
+/// Nothing found yet.
 const NONE: Nearest = (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO);
 
 impl Surface {
-    /// Builds normals and tree. Triangles must name existing points.
+    /// Builds normals and tree. Triangles must refer to existing points.
     pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
         let mut normals = vec![Vec3::ZERO; points.len()];
@@ -81,25 +79,25 @@ impl Surface {
         Self { points, triangles, normals, edge_normals, ends, tree, gone: vec![] }
     }
 
-    /// The same triangles under the same numbers, of which those that are `gone` are met by nothing any more.
+    /// The same triangles with the same indices, of which queries ignore those in `gone`.
     pub fn without(self, gone: &[bool]) -> Self {
         let tree = tree(&self.points, &self.triangles, |t| !gone[t]);
         Self { tree, gone: gone.to_vec(), ..self }
     }
 
-    /// Whether nothing meets a triangle any more.
+    /// Whether queries ignore a triangle.
     pub fn is_gone(&self, triangle: u32) -> bool {
         self.gone.get(triangle as usize).copied().unwrap_or(false)
     }
 
-    /// Whether what is outside at one place is so at all places round about it that no skin parts from it. Not so where much of the
-    /// mesh is sheets, as lashes are, or the wall of a hollow: behind those the side is what the closest point says.
+    /// Whether a point that is outside implies the same for all points around it with no skin in between. Not so where much of
+    /// the mesh is sheets, such as lashes, or the wall of a hollow: behind those, the side is that of the closest point.
     pub fn parts_in_from_out(&self) -> bool {
         self.gone.is_empty() && self.ends * SHEETS <= self.points.len()
     }
 
-    /// Whether so many triangles cross each other that a point has hundreds about it, as in a brush of crossing blades. What is found
-    /// there may lie farther off than the nearest, but is the same wherever a search begins.
+    /// Whether so many triangles intersect that a point has hundreds around it, as in a brush of crossing blades. Results there
+    /// may be farther than the nearest, but do not depend on where a search begins.
     pub fn is_tangled(&self) -> bool {
         self.tree.is_tangled()
     }
@@ -110,39 +108,38 @@ impl Surface {
         self.triangles[triangle as usize].map(|v| self.points[v as usize])
     }
 
-    /// Lowest and highest corner of the bounding box; zeros when there are no points.
+    /// Lowest and highest corner of the bounds; zeros without points.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let first = self.points.first().copied().unwrap_or_default();
         self.points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
     }
 
-    /// The closest point of the surface to `p`; none when there are no triangles or `p` is not finite.
+    /// The closest point of the surface to `p`; `None` without triangles or if `p` is not finite.
     pub fn closest(&self, p: Vec3) -> Option<Hit> {
         self.closest_within(p, f32::MAX)
     }
 
-    /// The closest point not farther than `reach`.
+    /// The closest point, if it is within `reach`.
     pub fn closest_within(&self, p: Vec3, reach: f32) -> Option<Hit> {
         let limit = if reach < 1e18 { (reach * reach).next_up() } else { f32::MAX };
         self.search(p, limit, NONE, false)
     }
 
-    /// A close point, found at a bounded price: the closest of the few triangles whose boxes are nearest, and of `near`. Nearly always the
-    /// closest of all; where layers lie on layers it may be that of another one.
+    /// A close point at bounded cost: the closest of `near` and the few triangles whose boxes are nearest. Nearly always the
+    /// closest of all; among stacked layers it may be on another one.
     pub fn closest_of_few(&self, p: Vec3, near: Option<u32>) -> Option<Hit> {
         let best = near.filter(|near| !self.is_gone(*near)).map(|near| self.at_nearest(p, near));
         let limit = best.map_or(f32::MAX, |best| best.0.next_up());
         self.search(p, limit, best.unwrap_or(NONE), true)
     }
 
-    /// The point of a triangle that is closest to `p`.
+    /// The closest point of one triangle to `p`.
     fn at_nearest(&self, p: Vec3, triangle: u32) -> Nearest {
         let (bary, point) = closest_on_triangle(p, self.corners(triangle));
         (point.distance_squared(p), triangle, bary, point)
     }
 
-    /// The closest point, as [`Self::closest`] finds it, found sooner when triangle `near` is close to it: the answer for a
-    /// neighbour of `p`.
+    /// The same as [`Self::closest`], faster if triangle `near` is close: the result for a neighbour of `p`.
     pub fn closest_from(&self, p: Vec3, near: u32) -> Option<Hit> {
         if self.is_gone(near) || self.tree.is_tangled() {
             return self.closest(p);
@@ -151,7 +148,7 @@ impl Surface {
         self.search(p, best.0.next_up(), best, false)
     }
 
-    /// [`Self::closest_within`], found sooner when triangle `near` is close to `p`.
+    /// The same as [`Self::closest_within`], faster if triangle `near` is close to `p`.
     pub fn closest_within_from(&self, p: Vec3, reach: f32, near: u32) -> Option<Hit> {
         if self.is_gone(near) || self.tree.is_tangled() {
             return self.closest_within(p, reach);
@@ -163,20 +160,20 @@ impl Surface {
         self.search(p, best.0.next_up(), best, false)
     }
 
-    /// A point that sees the triangles from the same side as `p`, but from no farther than [`FARAWAY`]; none where `p` does so
-    /// itself. From farther all are equally far in single precision, and each would be looked at.
+    /// A point on the same side of the triangles as `p`, at most [`FARAWAY`] from them; `None` if `p` is. From farther away all
+    /// triangles are equally distant in single precision, and each would be tested.
     fn seen_from_nearer(&self, p: Vec3) -> Option<Vec3> {
         let (low, high) = self.tree.bounds()?;
         let middle = 0.5 * low + 0.5 * high;
         let size = (high - low).length();
-        // (By halves: squares of what is that far may have no number.)
+        // (By halves: squares of such distances may overflow.)
         let off = (p - middle) / FARAWAY;
         let far = off.length() * FARAWAY;
         let most = FARAWAY.max(1e3 * size);
         (far > 1.01 * most && far.is_finite()).then(|| middle + off.normalize_or_zero() * most)
     }
 
-    /// The best of `best` and what lies within `limit` (squared).
+    /// The better of `best` and the closest point within the squared distance `limit`.
     fn search(&self, p: Vec3, limit: f32, best: Nearest, few: bool) -> Option<Hit> {
         if !p.is_finite() {
             return None;
@@ -198,20 +195,21 @@ impl Surface {
         })
     }
 
-    /// The first point that the ray meets, from either side, within `reach` times `direction`. `distance`
-    /// is in multiples of `direction`'s length.
+    /// The first point that the ray hits, from either side, within `reach` times `direction`. `distance` is in multiples of
+    /// `direction`'s length.
     pub fn ray(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
         let meets = |corners| ray_triangle(origin, direction, corners);
         let (triangle, distance, bary) = self.tree.first(origin, direction, reach, meets)?;
         Some(Hit { triangle, bary, point: origin + direction * distance, distance })
     }
 
-    /// Whether the ray meets anything at all within `reach` times `direction`.
+    /// Whether the ray hits anything within `reach` times `direction`.
     pub fn ray_meets(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
         self.ray_meets_again(origin, direction, reach, &mut None)
     }
 
-    /// The same, with what is met put into `last`: what hides a point often hides its neighbours, and is looked at first.
+    /// The same, storing the triangle that is hit in `last`: what occludes a point often occludes its neighbours, and is tested
+    /// first.
     pub fn ray_meets_again(
         &self,
         origin: Vec3,
@@ -225,7 +223,7 @@ impl Surface {
         self.meets(origin, direction, reach, last, met)
     }
 
-    /// Whether the ray meets `triangle` before all others, as [`Self::ray`] finds it; if not, what is before it is put into `last`.
+    /// Whether the ray hits `triangle` before all others, as in [`Self::ray`]; if not, the triangle in front is stored in `last`.
     pub fn ray_sees(
         &self,
         origin: Vec3,
@@ -244,7 +242,7 @@ impl Surface {
         !self.is_gone(triangle) && !self.meets(origin, direction, own, last, is_before)
     }
 
-    /// Whether any triangle is `met`, those first that follow `last` in the file.
+    /// Whether any triangle is `met`, testing first those that follow `last` in the file.
     fn meets(
         &self,
         origin: Vec3,
@@ -266,14 +264,14 @@ impl Surface {
         found.is_some()
     }
 
-    /// The point at barycentric coordinates of a triangle.
+    /// The point at barycentric coordinates on a triangle.
     #[inline]
     pub fn at(&self, triangle: u32, bary: Vec2) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         a + (b - a) * bary.x + (c - a) * bary.y
     }
 
-    /// The smooth normal at a point of the surface. Unit.
+    /// The smooth unit normal at a point of the surface.
     pub fn smooth_normal(&self, triangle: u32, bary: Vec2) -> Vec3 {
         let [a, b, c] = self.triangles[triangle as usize].map(|v| self.normals[v as usize]);
         (a * (1.0 - bary.x - bary.y) + b * bary.x + c * bary.y)
@@ -281,20 +279,20 @@ impl Surface {
             .unwrap_or_else(|| self.face_normal(triangle))
     }
 
-    /// The flat normal of a triangle. Unit; +Y when it has no area.
+    /// The flat unit normal of a triangle; +Y if it has no area.
     pub fn face_normal(&self, triangle: u32) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a).try_normalize().unwrap_or(Vec3::Y)
     }
 
-    /// Twice the area vector of a triangle, not normalised.
+    /// Twice the area vector of a triangle.
     pub fn area_vector(&self, triangle: u32) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a)
     }
 
-    /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh ends, or folds into itself as scans do, an
-    /// edge or a corner does not tell the sides apart: what seems deep inside such a one is looked at from there.
+    /// The distance of `p` from its closest point `hit`, negative inside. Where a mesh is open or folds into itself, as scans do,
+    /// an edge or corner does not decide the side: a point that seems deep inside such a place is tested with rays.
     pub fn signed_distance(&self, p: Vec3, hit: &Hit) -> f32 {
         let distance = self.distance_by_side(p, hit);
         if distance >= 0.0 {
@@ -306,14 +304,14 @@ impl Surface {
         if doubtful && !self.sees_backs(p) { hit.distance } else { distance }
     }
 
-    /// The distance of `p` from its closest point `hit`, negative on the back of the triangle, edge or corner that it lies on.
+    /// The distance of `p` from its closest point `hit`, negative on the back of the triangle, edge or corner of the hit.
     #[inline]
     pub fn distance_by_side(&self, p: Vec3, hit: &Hit) -> f32 {
         let side = (p - hit.point).dot(self.pseudo_normal(hit));
         if side >= 0.0 { hit.distance } else { -hit.distance }
     }
 
-    /// Whether most ways from a point meet the back of the surface first, which is how it looks from inside.
+    /// Whether most rays from a point hit the back of the surface first, as they do from inside.
     fn sees_backs(&self, p: Vec3) -> bool {
         const WAYS: [Vec3; 5] = [
             Vec3::new(0.31, 0.87, 0.38),
@@ -336,7 +334,7 @@ impl Surface {
         backs == MOST
     }
 
-    /// Whether what is first on a way from a point is a back.
+    /// Whether the first hit of a ray from a point is a back face.
     fn sees_back(&self, p: Vec3, way: Vec3) -> bool {
         let hit = self.ray(p, way, 1e4);
         hit.is_some_and(|hit| self.area_vector(hit.triangle).dot(way) > 0.0)
@@ -348,7 +346,7 @@ impl Surface {
         let zero = weights.map(|w| w <= ON);
         match zero.iter().filter(|z| **z).count() {
             0 => self.area_vector(hit.triangle),
-            // Edge i runs from corner i to i + 1: the corner across has no weight.
+            // Edge i runs from corner i to i + 1; the opposite corner has weight 0.
             1 => self.edge_normals[t][(zero.iter().position(|z| *z).unwrap_or(0) + 1) % 3],
             _ => {
                 let corner = zero.iter().position(|z| !*z).unwrap_or(0);
@@ -358,20 +356,21 @@ impl Surface {
     }
 }
 
-/// A point's weight of a corner in which it has none.
+/// Weight below which a corner counts as absent.
 const ON: f32 = 1e-5;
-/// A mesh of which one vertex in so many is at an end has sheets.
+/// A mesh with one boundary vertex in so many has sheets.
 const SHEETS: usize = 50;
-/// Nearer than this (cm) edges and corners are believed.
+/// Distance (cm) below which edges and corners decide the side.
 const DOUBTFUL: f32 = 0.2;
 
-/// The tree of the triangles for which `stays` says so.
+/// The tree of the triangles for which `stays` is true.
 fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) -> TriangleTree {
     let numbered = triangles.iter().zip(0u32..).filter(|(_, n)| stays(*n as usize));
     TriangleTree::new(numbered.map(|(t, n)| (n, t.map(|v| points[v as usize]))))
 }
 
-/// Tells each edge, and the sides of triangles along it: its second vertex, and their place among all sides, rising.
+/// Calls a function for each edge and the sides of triangles along it: with its second vertex, and their indices among all sides,
+/// ascending.
 fn each_edge(
     points: usize,
     triangles: &[[u32; 3]],
@@ -385,7 +384,7 @@ fn each_edge(
             })
         })
     };
-    // By their first vertex they are counted into place, which takes a fraction of sorting them all.
+    // Counting sort by first vertex, at a fraction of the cost of a full sort.
     let mut ends = vec![0u32; points + 1];
     sides().for_each(|(a, ..)| ends[a as usize + 1] += 1);
     for a in 1..ends.len() {
@@ -406,8 +405,8 @@ fn each_edge(
     }
 }
 
-/// Closest point of a triangle (Ericson 2005, "Real-time collision detection", 5.1.5), as the weights of
-/// its second and third corner.
+/// Closest point of a triangle (Ericson 2005, "Real-time collision detection", 5.1.5), as the weights of its second and third
+/// corner.
 #[inline]
 pub fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec2, Vec3) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
@@ -449,7 +448,7 @@ pub fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec2, Vec3) {
     (Vec2::new(v, w), a + ab * v + ac * w)
 }
 
-/// Moeller and Trumbore 1997, both sides.
+/// Moeller and Trumbore 1997, two-sided.
 pub(super) fn ray_triangle(
     origin: Vec3,
     direction: Vec3,

@@ -1,16 +1,16 @@
 //! A narrow-band signed distance field of a head: fast answers to "is this point under the skin?".
 //!
-//! Samples every 2 mm within 1 cm of the surface, each the distance of the exact closest point. A cell is made when somebody
-//! first asks about a point in it, and with it those of its eight corners that none before it has made: a guide or a lone hair pays
-//! for the cells it passes and no others, however large or folded the mesh is.
+//! Samples every 2 mm within 1 cm of the surface, each the distance of the exact closest point. A cell is sampled at the first
+//! query in it, along with those of its eight corners that no cell before it has sampled: a guide or a single hair pays only for
+//! the cells it passes, however large or folded the mesh is.
 //!
-//! Guarantees: the same bits for any number of threads and whoever asks first, for a cell depends on the surface alone; error under
-//! a tenth of a cell where the surface is smooth on the scale of a cell, under half a cell at sharp creases. Within a cell of the
-//! surface callers who need more ask [`Surface::closest`].
+//! Guarantees: the same bits for any number of threads and any order of queries, since a cell depends on the surface alone; error
+//! under a tenth of a cell where the surface is smooth on the scale of a cell, under half a cell at sharp creases. Within a cell
+//! of the surface, callers who need more use [`Surface::closest`].
 //!
-//! Tried before: the whole field at once, 1.3 s of CPU for a bust of 36,000 triangles; blocks of 8 x 8 x 8 cells made whole when
-//! one was touched, 0.4 s for 500 guides, most of it for cells that nothing ever came to, and seconds for a thin fur on a large
-//! mesh, where each hair has its blocks for itself.
+//! Tried before: the whole field at once, 1.3 s of CPU for a bust of 36,000 triangles; whole blocks of 8 x 8 x 8 cells on first
+//! touch, 0.4 s for 500 guides, most of it for cells that were never used, and seconds for thin fur on a large mesh, where each
+//! hair has its own blocks.
 
 use super::closest::Surface;
 use glam::{IVec3, Vec3};
@@ -19,29 +19,29 @@ use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 /// Distance between samples, cm. Doubled as often as needed for a mesh of more than `MOST_BLOCKS`.
 pub const CELL: f32 = 0.2;
-/// How many cells from the surface distances are known: 1 cm.
+/// Width of the band around the surface, in cells: 1 cm.
 const BAND_CELLS: f32 = 5.0;
-/// Cells along a block's edge.
+/// Cells along the edge of a block.
 const BLOCK: i32 = 8;
-/// Cells along the edge of a brick, of which a block has eight.
+/// Cells along the edge of a brick; a block has eight bricks.
 const BRICK: i32 = 4;
 const BRICK_CELLS: usize = (BRICK * BRICK * BRICK) as usize;
-/// Samples along a brick's edge, those on its far sides included.
+/// Samples along the edge of a brick, both faces included.
 const SIDE: usize = BRICK as usize + 1;
 const SAMPLES: usize = SIDE * SIDE * SIDE;
-/// The most blocks a field's box may have: 200,000 are a figure of 1.8 x 1 x 0.4 m at 2 mm. The table of
-/// blocks then takes 5 MB; only blocks that somebody asks about cost more.
+/// Largest number of blocks in a field's bounds: 200,000 cover a figure of 1.8 x 1 x 0.4 m at 2 mm. The table of blocks then
+/// takes 5 MB; only queried blocks take more.
 const MOST_BLOCKS: f32 = 200_000.0;
 
 /// What the field knows about a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
-    /// Signed distance (negative inside), its gradient (about unit, outward) and how far it may be wrong, cm: little where
-    /// the skin is smooth, half a cell where it may have a crease.
+    /// Signed distance (negative inside), its gradient (about unit, outward) and the possible error, all cm: small where the skin
+    /// is smooth, half a cell where it may have a crease.
     Near(f32, Vec3, f32),
-    /// More than the band inside.
+    /// Inside, beyond the band.
     Inside,
-    /// More than the band outside.
+    /// Outside, beyond the band.
     Outside,
 }
 
@@ -60,21 +60,21 @@ enum Block {
     Near(Box<Near>),
 }
 
-/// A block that the surface is near.
+/// A block near the surface.
 struct Near {
-    /// The triangle that its middle is closest to, and how far outside that its middle is, cm.
+    /// The triangle closest to its centre, and the signed distance of its centre, cm.
     triangle: u32,
     distance: f32,
-    /// Which way is out from there: 1 where it is along an axis, 0 where it is against it.
+    /// Direction outward from there, per axis: 1 along the axis, 0 against it.
     outward: IVec3,
     bricks: [OnceLock<Box<Brick>>; 8],
 }
 
-/// Where a point is in a field.
+/// A position in a field.
 enum Place<'a> {
     Inside,
     Outside,
-    /// In cells from the lowest, exactly and the cell; and the block.
+    /// Position in cells from the lowest corner: exact, and the cell; and the block.
     Near {
         q: Vec3,
         i: IVec3,
@@ -82,39 +82,38 @@ enum Place<'a> {
     },
 }
 
-/// Which of its block's bricks a cell is in.
+/// Index of a cell's brick in its block.
 #[inline]
 fn which(i: IVec3) -> usize {
     ((i.z & 4) | ((i.y & 4) >> 1) | ((i.x & 4) >> 2)) as usize
 }
 
-/// Which sample of a brick is at so many cells from its lowest corner.
+/// Index of a brick's sample at this offset from its lowest corner, in cells.
 #[inline]
 fn sample_at(cells: IVec3) -> usize {
     let [x, y, z] = cells.to_array().map(|k| k as usize);
     (z * SIDE + y) * SIDE + x
 }
 
-/// A part of a block, so that one lookup touches little memory. Its numbers are made one by one, by whoever needs one first; two
-/// who make the same make it the same.
+/// A part of a block, small so that a lookup touches little memory. Samples are computed on first use; two threads that compute
+/// the same one get the same value.
 struct Brick {
-    /// Distances, as bits; [`UNKNOWN`] until they are made.
+    /// Distances, as bits; [`UNKNOWN`] until computed.
     samples: [AtomicU32; SAMPLES],
-    /// For each cell how much farther off than its corners show its middle was found, in steps of [`MORE`] cells; [`UNMADE`] until its
-    /// corners are there.
+    /// For each cell, the excess of the distance at its centre over the interpolated one, in steps of [`MORE`] cells; [`UNMADE`]
+    /// until its corners are sampled.
     more: [AtomicU8; BRICK_CELLS],
-    /// A triangle that a search here may begin with: the one found last. It decides how long a search takes, never what it
-    /// finds.
+    /// Start of a search here: the triangle found last. It affects how long a search takes, never its result.
     near: AtomicU32,
 }
 
-/// Bits of no distance.
+/// Bits that are no distance.
 const UNKNOWN: u32 = u32::MAX;
 const UNMADE: u8 = u8::MAX;
-/// A step of what is noted of a cell's doubt, in cells.
+/// Step of the stored doubt of a cell, in cells.
 const MORE: f32 = 1.0 / 32.0;
 
-/// Where the samples at a cell's corners lie from its lowest on, each beside the one before it.
+/// Offsets of the samples at a cell's corners from the lowest, each next to the previous one.
 const CORNERS: [(usize, [f32; 3]); 8] = {
     const Y: usize = SIDE;
     const Z: usize = SIDE * SIDE;
@@ -145,7 +144,7 @@ impl Brick {
 }
 
 impl DistanceField {
-    /// The field of `surface`, whose coordinates are in cm. Costs nothing yet.
+    /// The field of `surface`, in cm. Nothing is computed yet.
     pub fn new(surface: &Surface) -> Self {
         let (lo, hi) = surface.bounds();
         let mut cell = CELL;
@@ -166,7 +165,7 @@ impl DistanceField {
         }
     }
 
-    /// What is known at `p` (cm), interpolated between samples. `surface` is the one the field was made for.
+    /// What the field knows at `p` (cm), interpolated between samples. `surface` must be the one the field was made for.
     #[inline]
     pub fn depth(&self, surface: &Surface, p: Vec3) -> Depth {
         let (q, i, brick) = match self.place(surface, p) {
@@ -180,7 +179,7 @@ impl DistanceField {
         let corner = sample_at(i & (BRICK - 1));
         let [x, y, z] = (i & 3).to_array().map(|k| k as usize);
         let more = &brick.more[(z * 4 + y) * 4 + x];
-        // Who sees this number sees the corners: they were stored before it.
+        // A thread that reads this value also sees the corners, which were stored before it.
         let known = match more.load(Ordering::Acquire) {
             UNMADE => self.make(surface, brick, i, corner, more),
             known => known,
@@ -189,9 +188,9 @@ impl DistanceField {
         Depth::Near(d, gradient, doubt + f32::from(known) * (MORE * self.cell))
     }
 
-    /// Whether `p` is farther than `height` (cm, at least 0) outside, as one distance or two tell that are known for points near it:
-    /// where the surface [parts in from out](Surface::parts_in_from_out), it is less at `p` by at most the way there. False says
-    /// nothing. Most points of hair stand a little way off, and need no cell of their own.
+    /// Whether `p` is more than `height` (cm, at least 0) outside, by one or two known distances nearby: where the surface [parts
+    /// in from out](Surface::parts_in_from_out), the distance at `p` is smaller by at most the way there. False means unknown.
+    /// Most CVs are slightly off the skin and need no cell of their own.
     #[inline]
     pub fn is_clear(&self, surface: &Surface, p: Vec3, height: f32) -> bool {
         let (q, i, block) = match self.place(surface, p) {
@@ -199,7 +198,7 @@ impl DistanceField {
             Place::Outside => return height < self.band(),
             Place::Near { q, i, block } => (q, i, block),
         };
-        // Rounding of coordinates, and more.
+        // Margin for rounding of coordinates.
         let height = height + 0.01 * self.cell + 1e-6 * p.abs().max_element();
         let clears = |distance: f32, cells: IVec3| {
             distance - q.distance(cells.as_vec3()) * self.cell > height
@@ -209,14 +208,14 @@ impl DistanceField {
             return true;
         }
         let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
-        // Of a cell's corners that which lies outward tells most.
+        // The outermost corner of a cell is the best bound.
         [middle(BRICK), i + block.outward].into_iter().any(|cells| {
             let at = sample_at(cells - (i & !(BRICK - 1)));
             clears(self.known(surface, brick, at, cells.as_vec3()), cells)
         })
     }
 
-    /// The radius (cm) of a ball about `p`, outside, that holds no skin, as the middle of its block alone tells; 0 says nothing. Makes
+    /// Radius (cm) of a ball around `p`, outside, that holds no skin, by the centre of its block alone; 0 means unknown. Samples
     /// no cell.
     pub fn far(&self, surface: &Surface, p: Vec3) -> f32 {
         match self.place(surface, p) {
@@ -231,12 +230,12 @@ impl DistanceField {
         }
     }
 
-    /// Whether all about `p` is farther outside than the band. False says nothing.
+    /// Whether everything around `p` is outside and beyond the band. False means unknown.
     pub fn is_beyond(&self, surface: &Surface, p: Vec3) -> bool {
         matches!(self.place(surface, p), Place::Outside)
     }
 
-    /// A triangle that is near `p`; none where none is. Makes no cell.
+    /// A triangle near `p`; `None` if there is none. Samples no cell.
     #[inline]
     pub fn hint(&self, surface: &Surface, p: Vec3) -> Option<u32> {
         let Place::Near { i, block, .. } = self.place(surface, p) else { return None };
@@ -244,11 +243,11 @@ impl DistanceField {
         Some(brick.map_or(block.triangle, |brick| brick.near.load(Ordering::Relaxed)))
     }
 
-    /// The block that `p` is in, and where in the field, in cells.
+    /// The block of `p`, and its position in the field, in cells.
     #[inline]
     fn place(&self, surface: &Surface, p: Vec3) -> Place<'_> {
         let q = (p - self.lowest) * self.per_cell;
-        // Truncated where it is positive: a floor, without asking the library for one.
+        // Truncation of a positive number: a floor without a library call.
         let i = q.as_ivec3();
         let b = IVec3::new(i.x >> 3, i.y >> 3, i.z >> 3);
         if !q.cmpge(Vec3::ZERO).all() || b.cmpge(self.blocks_along).any() {
@@ -262,7 +261,7 @@ impl DistanceField {
         }
     }
 
-    /// Distance, gradient and doubt at a fraction of a cell of a brick.
+    /// Distance, gradient and doubt at a fractional position in a cell of a brick.
     #[inline]
     fn between(&self, brick: &Brick, corner: usize, f: Vec3) -> (f32, Vec3, f32) {
         const Y: usize = SIDE;
@@ -279,8 +278,8 @@ impl DistanceField {
         );
         let dy = lerp(x10 - x00, x11 - x01, f.z);
         let gradient = Vec3::new(dx, dy, y1 - y0) * self.per_cell;
-        // Over smooth skin distances grow evenly: the gradient has length 1, and what the eight samples differ by from a
-        // plane is nothing. A ridge or a groove shows in one or the other.
+        // Over smooth skin, distances are linear: the gradient has length 1, and the eight samples fit a plane. A ridge or a
+        // groove violates one or the other.
         let bent = (s(0) - s(1) - s(Y) + s(Y + 1)).abs()
             + (s(Z) - s(Z + 1) - s(Z + Y) + s(Z + Y + 1)).abs()
             + (x10 - x00 - x11 + x01).abs()
@@ -310,9 +309,8 @@ impl DistanceField {
         }))
     }
 
-    /// Makes the samples at the corners of cell `i` of the field that are not there yet, and gives and notes how much farther off
-    /// than they show its middle is. What is thinner than a cell, such as the locks of a scan, does not show in the
-    /// samples themselves.
+    /// Samples the missing corners of cell `i` of the field; returns and stores by how much the distance at its centre exceeds
+    /// the interpolated one. What is thinner than a cell, such as the locks of a scan, does not show in the samples themselves.
     #[cold]
     fn make(
         &self,
@@ -330,14 +328,14 @@ impl DistanceField {
         let mut steps = 0;
         if d.abs() <= 1.5 * self.cell {
             let off = (self.exact(surface, brick, low + 0.5) - d).abs() - doubt;
-            // (As many as there are; `as` takes a negative number for 0.)
+            // (All that there are; `as` turns a negative number into 0.)
             steps = ((off * self.per_cell / MORE).ceil() as u8).min(UNMADE - 1);
         }
         more.store(steps, Ordering::Release);
         steps
     }
 
-    /// A sample of a brick, so many cells from the lowest; made if it is not there.
+    /// The sample of a brick at this offset from its lowest corner, in cells; computed if missing.
     #[inline]
     fn known(&self, surface: &Surface, brick: &Brick, at: usize, cells: Vec3) -> f32 {
         let known = brick.sample(at);
@@ -349,23 +347,24 @@ impl DistanceField {
         distance
     }
 
-    /// The signed distance at so many cells from the lowest: a whole number of cells is the same place for all that ask there.
+    /// The signed distance at this offset from the field's lowest corner, in cells: whole numbers give the same point to every
+    /// caller.
     fn exact(&self, surface: &Surface, brick: &Brick, cells: Vec3) -> f32 {
         let p = self.lowest + cells * self.cell;
-        // What is not finite has no closest point, and is nowhere near the skin.
+        // A non-finite point has no closest point and is not near the skin.
         surface.closest_from(p, brick.near.load(Ordering::Relaxed)).map_or(self.band(), |hit| {
             brick.near.store(hit.triangle, Ordering::Relaxed);
             surface.signed_distance(p, &hit)
         })
     }
 
-    /// How far outside the surface everything is that the field calls outside, cm.
+    /// Smallest distance outside the surface of all points that the field reports as outside, cm.
     #[inline]
     pub fn band(&self) -> f32 {
         BAND_CELLS * self.cell
     }
 
-    /// Half as much again as the error where the surface is smooth, cm.
+    /// One and a half times the error where the surface is smooth, cm.
     #[inline]
     pub fn error(&self) -> f32 {
         0.15 * self.cell

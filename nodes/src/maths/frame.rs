@@ -114,7 +114,7 @@ pub fn reflect_twice(normal: Vec3, step: Vec3, from: Vec3, to: Vec3) -> Vec3 {
 }
 
 /// A direction that the normal should turn to, and how strongly (0 to 1).
-pub type Wish = Option<(Vec3, f32)>;
+pub type NormalTarget = Option<(Vec3, f32)>;
 
 /// The most a wished direction turns the normal in one step.
 const RELAX_STEP: f32 = 20.0 / 180.0 * std::f32::consts::PI;
@@ -131,7 +131,7 @@ pub fn frames(
     spline: &Spline,
     us: &[f32],
     start: Option<Vec3>,
-    mut wish: impl FnMut(f32, Vec3, Vec3) -> Wish,
+    mut wish: impl FnMut(f32, Vec3, Vec3) -> NormalTarget,
 ) -> Vec<Frame> {
     let first = spline.locate(0.0);
     let (mut u, mut point, mut tangent) = (0.0, spline.point(first), spline.tangent(first));
@@ -250,8 +250,8 @@ impl SkinUnder {
         let strength = self.strengths[after - 1] * (1.0 - t) + self.strengths[after] * t;
         (normal.normalize_or_zero(), strength)
     }
-    /// The wish of [`frames`].
-    pub fn wish(&self, u: f32) -> Wish {
+    /// What the normal should turn to there, for [`frames`].
+    pub fn normal_target(&self, u: f32) -> NormalTarget {
         let (normal, strength) = self.at(u);
         (normal != Vec3::ZERO && strength > 0.0).then_some((normal, strength))
     }
@@ -385,7 +385,7 @@ mod tests {
         let us: Vec<f32> = (0..400).map(|k| k as f32 / 399.0).collect();
         let fade = 0.5;
         let under = SkinUnder::new(&surface, &spline, us.clone(), fade);
-        let frames = frames(&spline, &us, None, |u, _, _| under.wish(u));
+        let frames = frames(&spline, &us, None, |u, _, _| under.normal_target(u));
         let mut carried = 0;
         for (k, u) in us.iter().enumerate() {
             let p = spline.at(*u);
@@ -396,7 +396,7 @@ mod tests {
             } else if off > 2.1 * fade && k > 0 {
                 let (a, b) = (frames[k - 1], frames[k]);
                 assert!(b.normal.dot(carry(a.normal, a.tangent, b.tangent)) > 0.9999);
-                assert_eq!(under.wish(*u), None);
+                assert_eq!(under.normal_target(*u), None);
                 carried += 1;
             }
             if k > 0 {

@@ -1,25 +1,24 @@
-//! The nearest of many points: a tree that is built once and asked often.
+//! Nearest-neighbour queries on points: a k-d tree, built once.
 //!
-//! Guarantees: exact; of points equally near the one with the lowest number counts; the same answer on every machine. Who asks for
-//! many points that lie near each other asks for all at once ([`Nearest::find_each`]): what may be nearest to any of them is looked
-//! up in the tree once.
+//! Guarantees: exact; ties go to the lowest index; the same answer on every machine. For many nearby query points,
+//! [`KdTree::find_each`] descends the tree once for a group of them.
 
 use glam::Vec3;
 
-/// A k-d tree over points: the middle of each part splits it along its longest side.
+/// A k-d tree over points: each part is split in the middle across its longest side.
 #[derive(Debug)]
-pub struct Nearest {
-    /// Points and their numbers, in the order of the tree.
+pub struct KdTree {
+    /// Points and their indices, in tree order.
     points: Vec<(Vec3, u32)>,
     axes: Vec<u8>,
 }
 
-impl Nearest {
-    /// The tree of these points; those that are not finite are never found.
+impl KdTree {
+    /// The tree of these points; non-finite points are never found.
     pub fn new(points: impl IntoIterator<Item = Vec3>) -> Self {
         Self::numbered(points.into_iter().zip(0..))
     }
-    /// [`Self::new`] for points that have numbers of their own.
+    /// [`Self::new`] for points with their own indices.
     pub fn numbered(points: impl IntoIterator<Item = (Vec3, u32)>) -> Self {
         let mut points: Vec<(Vec3, u32)> =
             points.into_iter().filter(|(p, _)| p.is_finite()).collect();
@@ -31,7 +30,7 @@ impl Nearest {
     pub fn bytes(&self) -> usize {
         self.points.len() * (size_of::<(Vec3, u32)>() + 1)
     }
-    /// Puts squared distance and number of the `most` points nearest to `p` into `found`, nearest first.
+    /// Puts squared distance and index of the `most` points nearest to `p` into `found`, nearest first.
     pub fn find(&self, p: Vec3, most: usize, found: &mut Vec<(f32, u32)>) {
         found.clear();
         if most > 0 && p.is_finite() {
@@ -57,24 +56,24 @@ impl Nearest {
         let (near, far) = ((from, middle), (middle + 1, to));
         let (near, far) = if side < 0.0 { (near, far) } else { (far, near) };
         self.search(p, most, found, near.0, near.1);
-        // As near as the worst so far still counts: it may have a lower number.
+        // Equal to the worst so far still counts: its index may be lower.
         if found.len() < most || side * side <= found[found.len() - 1].0 {
             self.search(p, most, found, far.0, far.1);
         }
     }
 }
 
-/// So many askers at most share what is looked up.
+/// Largest number of queries that share one descent.
 const RUN: usize = 64;
-/// More than so many of the tree's points are too many for each asker to look at: fewer ask together.
+/// Number of candidates above which a group of queries is split.
 const MANY: usize = 64;
-/// Points looked at together.
+/// Points compared at once.
 const LANES: usize = 8;
 
-/// Points of the tree that may be nearest to any point of a ball, one list for each axis.
+/// Candidates for the nearest points of all queries in a ball, one list per axis.
 #[derive(Default)]
 struct Around {
-    /// Distances from the middle of the ball, squared, with numbers and points; nearest first.
+    /// Squared distances from the centre of the ball, with indices and points; nearest first.
     found: Vec<(f32, u32, Vec3)>,
     axes: [Vec<[f32; LANES]>; 3],
     numbers: Vec<[u32; LANES]>,
@@ -86,7 +85,7 @@ impl Around {
         self.axes.iter_mut().for_each(Vec::clear);
         self.numbers.clear();
         for pack in self.found.chunks(LANES) {
-            // What fills a pack is no point and nearest to none.
+            // Padding of a pack: nearest to nothing.
             let at = |i: usize| pack.get(i).map_or(Vec3::MAX, |one| one.2);
             for (k, axis) in self.axes.iter_mut().enumerate() {
                 axis.push(std::array::from_fn(|i| at(i)[k]));
@@ -95,7 +94,7 @@ impl Around {
         }
     }
 
-    /// Puts the nearest to `p` into `nearest`, which is as long as many are asked for, and tells how many there are.
+    /// Puts the points nearest to `p` into `nearest`, whose length is the requested number; returns how many there are.
     fn nearest_to(&self, p: Vec3, nearest: &mut [(f32, u32)]) -> usize {
         const NONE: (f32, u32) = (f32::INFINITY, u32::MAX);
         nearest.fill(NONE);
@@ -123,7 +122,7 @@ impl Around {
     }
 }
 
-/// What [`Nearest::find_each`] works with.
+/// Scratch memory of [`KdTree::find_each`].
 #[derive(Default)]
 struct Desk {
     around: Around,
@@ -131,9 +130,9 @@ struct Desk {
     nearest: Vec<(f32, u32)>,
 }
 
-impl Nearest {
-    /// What [`Self::find`] finds for each of `askers`, told with their numbers in order. Sooner than one by one where neighbours in
-    /// the list lie near each other.
+impl KdTree {
+    /// The result of [`Self::find`] for each of `askers`, with their indices in order. Faster than single queries if neighbours
+    /// in the list are close in space.
     pub fn find_each(
         &self,
         askers: &[Vec3],
@@ -172,12 +171,12 @@ impl Nearest {
         }
     }
 
-    /// Gathers all that may be among the nearest of a run, unless that is too much.
+    /// Gathers all candidates of a run of queries, unless there are too many.
     fn look_around(&self, run: &[Vec3], most: usize, desk: &mut Desk) -> bool {
         let (lo, hi) = run.iter().fold((run[0], run[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
         let middle = lo + (hi - lo) * 0.5;
         let radius = run.iter().map(|p| p.distance_squared(middle)).fold(0.0, f32::max).sqrt();
-        // (Neither is a number where an asker is none.)
+        // (Neither is a number if a query point is not.)
         let is_ball =
             (radius + middle.element_sum()).is_finite() && run.iter().all(|p| p.is_finite());
         if most == 0 || most > MANY || !is_ball {
@@ -188,8 +187,8 @@ impl Nearest {
             Some((square, _)) if desk.found.len() == most => square.sqrt(),
             _ => f32::INFINITY,
         };
-        // So many lie within `far` of the middle, so none that is nearest to an asker lies beyond this; rounding must leave out
-        // nothing.
+        // At least that many lie within `far` of the centre, so no nearest point of a query lies beyond this; rounding must
+        // exclude nothing.
         let reach = far + 2.0 * radius;
         let reach = reach + 1e-5 * (reach + middle.abs().max_element());
         desk.around.found.clear();
@@ -200,7 +199,7 @@ impl Nearest {
         enough
     }
 
-    /// Gathers what lies within `reach` of `p`; false where that is more than [`MANY`].
+    /// Gathers the points within `reach` of `p`; false if there are more than [`MANY`].
     fn gather(
         &self,
         p: Vec3,
@@ -258,7 +257,7 @@ mod tests {
         };
         for n in [0, 1, 2, 7, 500] {
             let points: Vec<Vec3> = (0..n).map(|id| at(id).round()).collect();
-            let tree = Nearest::new(points.iter().copied());
+            let tree = KdTree::new(points.iter().copied());
             let mut found = vec![];
             for query in 0..200 {
                 let p = (at(1000 + query) * 2.0).round() * 0.5;
@@ -284,7 +283,7 @@ mod tests {
             [(0, 5.0, 0.0), (3, 5.0, 0.0), (400, 5.0, 0.0), (4000, 9.0, 1e4), (300, 0.0, 1.0)]
         {
             let middle = Vec3::splat(middle);
-            let tree = Nearest::new((0..n).map(|id| middle + (at(id, size) * 2.0).round() * 0.5));
+            let tree = KdTree::new((0..n).map(|id| middle + (at(id, size) * 2.0).round() * 0.5));
             // Beside each other, jumping, far off, and none.
             let mut askers: Vec<Vec3> = vec![];
             for run in 0..20u64 {

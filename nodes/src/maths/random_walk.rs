@@ -10,7 +10,7 @@ use glam::Vec2;
 /// Fills `walk`, two longer than `steps`, with a hair's place in the unit disc at each knot, between one more value at both ends: at
 /// every knot but the first it takes a step in a random direction, up to the wall and never farther than `steps` says.
 #[inline]
-pub(crate) fn wander(dice: Dice, id: u64, start: Vec2, steps: &[f32], walk: &mut [Vec2]) {
+pub(crate) fn random_walk(dice: Dice, id: u64, start: Vec2, steps: &[f32], walk: &mut [Vec2]) {
     let mut d = start;
     walk[0] = d;
     for (knot, step) in (0..).zip(steps) {

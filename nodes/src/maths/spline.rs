@@ -32,7 +32,7 @@ const MOST_PARTS: usize = 4;
 
 /// A place on a spline: span and local parameter in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct SplineParam {
     /// Span from CV `span` to CV `span + 1`.
     pub span: usize,
     /// Parameter within the span.
@@ -127,19 +127,19 @@ impl Spline {
     }
 
     /// Where the fraction `u` of the arc length lies; clamped to the curve.
-    pub fn locate(&self, u: f32) -> Place {
+    pub fn locate(&self, u: f32) -> SplineParam {
         self.locate_length(u * self.length())
     }
 
     /// Where arc length `s` from the root lies; clamped to the curve.
-    pub fn locate_length(&self, s: f32) -> Place {
+    pub fn locate_length(&self, s: f32) -> SplineParam {
         let s = s.clamp(0.0, self.length());
         self.place_within(self.lengths.partition_point(|length| *length <= s), s)
     }
 
     /// [`Self::locate_length`] for lengths that rise from call to call: `cursor`, 0 at first, remembers how far they have
     /// come.
-    pub fn locate_rising(&self, cursor: &mut usize, s: f32) -> Place {
+    pub fn locate_rising(&self, cursor: &mut usize, s: f32) -> SplineParam {
         let s = s.clamp(0.0, self.length());
         while *cursor < self.lengths.len() && self.lengths[*cursor] <= s {
             *cursor += 1;
@@ -148,7 +148,7 @@ impl Spline {
     }
 
     /// The place of arc length `s`, where `after` sub-intervals begin at or before it.
-    fn place_within(&self, after: usize, s: f32) -> Place {
+    fn place_within(&self, after: usize, s: f32) -> SplineParam {
         let sub = after.saturating_sub(1).min(self.speeds.len() - 1);
         let (start, end) = (self.lengths[sub], self.lengths[sub + 1]);
         let fraction = if end > start { (s - start) / (end - start) } else { 0.0 };
@@ -159,17 +159,17 @@ impl Spline {
         let root = (v0 * v0 + 2.0 * (v1 - v0) * mean * fraction).max(0.0).sqrt();
         let x = if v0 + root > 0.0 { 2.0 * mean * fraction / (v0 + root) } else { fraction };
         let t = ((sub % SUBS) as f32 + x.clamp(0.0, 1.0)) / SUBS as f32;
-        Place { span: sub / SUBS, t }
+        SplineParam { span: sub / SUBS, t }
     }
 
     /// The point at a place.
-    pub fn point(&self, place: Place) -> Vec3 {
+    pub fn point(&self, place: SplineParam) -> Vec3 {
         let [c0, c1, c2, c3] = self.spans[place.span];
         ((c3 * place.t + c2) * place.t + c1) * place.t + c0
     }
 
     /// The unit tangent at a place, root to tip. Where CVs repeat, the direction of the nearest part that has one.
-    pub fn tangent(&self, place: Place) -> Vec3 {
+    pub fn tangent(&self, place: SplineParam) -> Vec3 {
         // At a cusp the speed is zero for an instant: the direction just after it is meant.
         for t in [place.t, place.t + 1e-3, place.t - 1e-3] {
             let direct = derivative(&self.spans[place.span], t);
@@ -201,10 +201,10 @@ impl Spline {
     }
 
     /// The place of CV `index`, which must be one of the curve's.
-    pub fn place_of_cv(&self, index: usize) -> Place {
+    pub fn place_of_cv(&self, index: usize) -> SplineParam {
         match index.checked_sub(1) {
-            Some(span) if index == self.spans.len() => Place { span, t: 1.0 },
-            _ => Place { span: index, t: 0.0 },
+            Some(span) if index == self.spans.len() => SplineParam { span, t: 1.0 },
+            _ => SplineParam { span: index, t: 0.0 },
         }
     }
 
@@ -378,8 +378,8 @@ mod tests {
         let points = helix(2.0, 8);
         let spline = Spline::new(&points).unwrap();
         for span in 0..spline.span_count() - 1 {
-            let a = spline.tangent(Place { span, t: 1.0 });
-            let b = spline.tangent(Place { span: span + 1, t: 0.0 });
+            let a = spline.tangent(SplineParam { span, t: 1.0 });
+            let b = spline.tangent(SplineParam { span: span + 1, t: 0.0 });
             assert!(a.dot(b) > 0.999_99, "span {span}");
         }
     }

@@ -10,41 +10,41 @@
 use glam::{Vec2, Vec3};
 use std::cell::RefCell;
 
-/// Children of a node.
+/// Children per node.
 const WIDE: usize = 4;
-/// As many levels as 2^32 triangles make; on each, all but one child wait.
+/// Size of the stack: the levels of 2^32 triangles; on each, all but one child wait.
 const LEVELS: usize = 16;
 const WAITING: usize = (WIDE - 1) * LEVELS + 2 * WIDE;
-/// A child that is a triangle, and one that is not there.
+/// Marks of a child that is a triangle, and of a missing child.
 const LEAF: u32 = 1 << 31;
 const NONE: u32 = u32::MAX;
-/// Rounding of coordinates on the way to a distance, as a part of the largest of them.
+/// Rounding of a distance, relative to the largest coordinate.
 const ROUNDING: f32 = 1e-6;
 
-/// A triangle's box has no more than so many times its area on three sides, or it is halved: of a triangle with even sides it is
-/// 5 at most ...
+/// A triangle is halved if its box has more than this multiple of its area on three faces; equilateral triangles have at most 5
+/// ...
 const AIRY: f32 = 16.0;
-/// ... up to so often, and in all into no more than so many pieces more.
+/// ... up to this many times, and in total into no more than this many additional pieces.
 const HALVINGS: u32 = 4;
 const MOST_PIECES: usize = 400_000;
 
-/// A mesh is tangled where a search near it, or a ray from there, looks at more triangles than this: heads and dressed figures take five
-/// to forty, and one to five ...
+/// A mesh is tangled if a search near it, or a ray outward from there, tests more triangles than this: on heads and dressed
+/// figures, searches test five to forty and rays one to five ...
 const TANGLED: usize = 150;
-/// ... on average over so many places, so far off a triangle as a part of its side ...
+/// ... on average over this many samples, at this distance from a triangle relative to its side ...
 const SAMPLES: usize = 64;
-/// ... and so far (cm) into the open, ...
+/// ... and this far (cm) outward, ...
 const OPEN: f32 = 1e4;
 const OFF: f32 = 0.1;
-/// ... and there it looks at so many: those whose boxes are nearest.
+/// ... and searches there test this many triangles, nearest boxes first.
 const MOST_LOOKS: usize = 24;
-/// Elsewhere it looks at so many where few will do: several times what it takes on cloth.
+/// Limit of approximate searches elsewhere: several times what cloth takes.
 const FEW: usize = 32;
 
-/// One number of each child.
+/// One number per child.
 type Each = [f32; WIDE];
 
-/// The boxes of four children; where there are fewer, those of none are farther than everything.
+/// Boxes of four children; missing ones are farther than everything.
 struct Node {
     low: [Each; 3],
     high: [Each; 3],
@@ -60,16 +60,16 @@ struct Leaf {
 pub(super) struct TriangleTree {
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
-    /// The largest coordinate.
+    /// The largest coordinate, absolute.
     largest: f32,
-    /// How many triangles a search looks at, at most.
+    /// Largest number of triangles that a search tests.
     most: usize,
 }
 
-/// What was found for a point: the square of the distance, the triangle, the weights of its second and third corner, the point.
+/// Result for a point: squared distance, triangle, weights of its second and third corner, the closest point.
 pub(super) type Nearest = (f32, u32, Vec2, Vec3);
 
-/// A triangle on its way into the tree, with the middle of its box.
+/// A triangle during construction, with the centre of its box.
 struct Item {
     middle: Vec3,
     low: Vec3,
@@ -78,7 +78,7 @@ struct Item {
 }
 
 impl TriangleTree {
-    /// Of triangles with their numbers and corners.
+    /// The tree of triangles, given by index and corners.
     pub(super) fn new(triangles: impl Iterator<Item = (u32, [Vec3; 3])>) -> Self {
         let triangles: Vec<(u32, [Vec3; 3])> = triangles.collect();
         let airy = triangles.iter().filter(|(_, corners)| is_airy(*corners)).count();
@@ -111,12 +111,12 @@ impl TriangleTree {
         tree
     }
 
-    /// Whether searches end before they have looked at all that may be nearest: see [`TANGLED`].
+    /// Whether searches stop before all candidates are tested: see [`TANGLED`].
     pub(super) fn is_tangled(&self) -> bool {
         self.most < usize::MAX
     }
 
-    /// How many triangles a search looks at for a place a little off the mesh, on average over some places of it.
+    /// Mean number of triangles tested by a search from samples slightly off the mesh.
     fn looks(&self) -> usize {
         self.looks_at_places(|p, _, look| {
             let mut best = f32::MAX;
@@ -130,7 +130,7 @@ impl TriangleTree {
         })
     }
 
-    /// How many triangles a ray from such a place into the open looks at.
+    /// Mean number of triangles tested by a ray outward from such a sample.
     fn ray_looks(&self) -> usize {
         self.looks_at_places(|p, out, look| {
             let look = RefCell::new(look);
@@ -141,7 +141,7 @@ impl TriangleTree {
         })
     }
 
-    /// How often `looks` looks, on average over some places a little off the mesh, with the way out there.
+    /// Mean of `looks` over samples slightly off the mesh, each with the direction outward.
     fn looks_at_places(&self, looks: impl Fn(Vec3, Vec3, &mut dyn FnMut())) -> usize {
         let places = self.leaves.len().min(SAMPLES);
         let mut looked = 0;
@@ -153,7 +153,7 @@ impl TriangleTree {
         looked / places.max(1)
     }
 
-    /// The box about all triangles; none of none.
+    /// The bounds of all triangles; `None` without any.
     pub(super) fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let top = self.nodes.first()?;
         let there = || (0..WIDE).filter(|child| top.children[*child] != NONE);
@@ -163,7 +163,7 @@ impl TriangleTree {
         Some((low, high))
     }
 
-    /// Adds a node of these triangles and all that is under it; gives its number and its box.
+    /// Adds a node with these triangles below it; returns its index and its box.
     fn add(&mut self, items: &[Item], order: &mut [Entry]) -> (u32, [Vec3; 2]) {
         let number = self.nodes.len();
         self.nodes.push(Node {
@@ -175,7 +175,7 @@ impl TriangleTree {
         let mut put = |tree: &mut Self, order: &mut [Entry]| {
             let Some(first) = order.first() else { return };
             let first = &items[first.item()].leaf;
-            // Of triangles on the very same spot only the lowest can be found: meshes come with layers that lie twice in a file.
+            // Of identical triangles only the lowest can be found: files contain duplicate layers.
             let same = order.iter().all(|e| items[e.item()].leaf.corners == first.corners);
             let (is, [low, high]) = if same {
                 let here = || order.iter().map(|e| &items[e.item()]);
@@ -208,12 +208,12 @@ impl TriangleTree {
         (number as u32, all)
     }
 
-    /// The best of `best` and the triangle nearest to `p`, if that is within the square `limit` of a distance; of equally near ones
-    /// the lowest. Where `few` will do, of no more than [`FEW`].
+    /// The better of `best` and the triangle nearest to `p` within the squared distance `limit`; ties go to the lowest. With
+    /// `few`, at most [`FEW`] are tested.
     #[inline]
     pub(super) fn nearest(&self, p: Vec3, limit: f32, mut best: Nearest, few: bool) -> Nearest {
         let rounding = ROUNDING * self.largest.max(p.abs().max_element());
-        // What is farther than this is not looked at.
+        // Nothing farther than this is tested.
         let beyond = |square: f32| {
             let far = square.sqrt() + rounding;
             far * far
@@ -238,8 +238,8 @@ impl TriangleTree {
         best
     }
 
-    /// The first triangle that a ray meets within `reach` times `direction`, of equally near ones the lowest: triangle, where as a
-    /// multiple of `direction`, and the weights of its second and third corner. `meets` tells of each triangle.
+    /// The first triangle that a ray hits within `reach` times `direction`; ties go to the lowest: triangle, distance as a
+    /// multiple of `direction`, and the weights of its second and third corner. `meets` intersects one triangle.
     #[inline]
     pub(super) fn first(
         &self,
@@ -268,8 +268,8 @@ impl TriangleTree {
         best
     }
 
-    /// Any triangle that is `met` among those whose boxes a ray enters within `reach` times `direction`; which one, if several, is
-    /// not promised.
+    /// Any triangle that is `met` among those whose boxes a ray enters within `reach` times `direction`; which of several is not
+    /// promised.
     #[inline]
     pub(super) fn any(
         &self,
@@ -294,8 +294,8 @@ impl TriangleTree {
         any
     }
 
-    /// Goes through the leaves, those first whose boxes are nearest, but for what is farther than `reach`. `far` tells how far the
-    /// children of a node are, `leaf` looks at a triangle and gives the new reach; it looks at `most`.
+    /// Visits the leaves, nearest boxes first, except those farther than `reach`. `far` returns the distances of a node's
+    /// children, `leaf` tests a triangle and returns the new reach; at most `most` are tested.
     #[inline]
     fn walk(
         &self,
@@ -307,7 +307,7 @@ impl TriangleTree {
         if self.nodes.is_empty() {
             return;
         }
-        // How far, and which child: as one number, whose order is that of distances, for none is negative.
+        // Distance and child in one number, ordered by distance, since none is negative.
         let mut waiting = [0u64; WAITING];
         let (mut waits, mut looks) = (1, 0);
         while waits > 0 {
@@ -327,7 +327,7 @@ impl TriangleTree {
             let node = &self.nodes[at as usize];
             let (far, mut next, mut count) = (far(node), [0u64; WIDE], 0);
             for i in 0..WIDE {
-                // (A NaN is looked at.) No branches: which children are near nobody can foresee, and a wrong guess costs as much as
+                // (NaN is tested.) No branches: which children are near is unpredictable, and a misprediction costs as much as
                 // four boxes.
                 #[allow(clippy::neg_cmp_op_on_partial_ord)]
                 let is_near = !(far[i] > reach) & (node.children[i] != NONE);
@@ -338,7 +338,7 @@ impl TriangleTree {
             if count == 0 {
                 continue;
             }
-            // The nearest is on top, and what is not near above it, where it is overwritten.
+            // The nearest is on top; those out of reach are above it and get overwritten.
             for (i, j) in [(0, 1), (2, 3), (0, 2), (1, 3), (1, 2)] {
                 (next[i], next[j]) = (next[i].max(next[j]), next[i].min(next[j]));
             }
@@ -347,7 +347,7 @@ impl TriangleTree {
         }
     }
 
-    /// The most nodes from the root to a triangle.
+    /// Largest number of nodes from the root to a triangle.
     #[cfg(test)]
     pub(super) fn levels(&self) -> usize {
         fn under(tree: &TriangleTree, node: u32) -> usize {
@@ -358,7 +358,7 @@ impl TriangleTree {
         if self.nodes.is_empty() { 0 } else { under(self, 0) }
     }
 
-    /// How many nodes and triangles are looked at for the one nearest to `p`.
+    /// Number of nodes and triangles tested for the one nearest to `p`.
     #[cfg(test)]
     pub(super) fn visits(&self, p: Vec3) -> (usize, usize) {
         let (nodes, mut leaves) = (std::cell::Cell::new(0), 0);
@@ -381,7 +381,7 @@ impl TriangleTree {
     }
 }
 
-/// The triangle, or where it is a sliver aslant that would fill its box with air, its pieces: halves across the longest side.
+/// The triangle, or, if it is a diagonal sliver with a mostly empty box, its pieces: halves across the longest side.
 fn pieces(corners: [Vec3; 3], halvings: u32, each: &mut impl FnMut([Vec3; 3])) {
     let [a, b, c] = corners;
     if halvings == 0 || !is_airy(corners) {
@@ -395,7 +395,7 @@ fn pieces(corners: [Vec3; 3], halvings: u32, each: &mut impl FnMut([Vec3; 3])) {
     pieces([middle, b, c], halvings - 1, each);
 }
 
-/// Whether most of a triangle's box is air.
+/// Whether most of a triangle's box is empty.
 fn is_airy([a, b, c]: [Vec3; 3]) -> bool {
     let size = a.max(b).max(c) - a.min(b).min(c);
     let sides = size.x * size.y + size.y * size.z + size.z * size.x;
@@ -403,26 +403,26 @@ fn is_airy([a, b, c]: [Vec3; 3]) -> bool {
     sides > AIRY * area
 }
 
-/// What a ray goes along itself for each cm along an axis: finite, so that one in the side of a box is in the box.
+/// Inverse of a ray's direction along an axis: finite, so that a ray in the face of a box is in the box.
 fn per(direction: Vec3) -> [f32; 3] {
     direction.to_array().map(|x| (1.0 / x).clamp(-1e30, 1e30))
 }
 
-/// A little farther than `t` along a ray: boxes and triangles round differently.
+/// Slightly beyond `t` along a ray: boxes and triangles round differently.
 fn past(t: f32) -> f32 {
     t + 1e-5 * t
 }
 
-/// A box that nothing is in, by its lowest and highest corner.
+/// The empty box, as its lowest and highest corner.
 const EMPTY: [Vec3; 2] = [Vec3::INFINITY, Vec3::NEG_INFINITY];
 
-/// The box about two.
+/// The union of two boxes.
 fn united(a: [Vec3; 2], b: [Vec3; 2]) -> [Vec3; 2] {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
 
-/// The place of an item on its way into the tree: where its middle lies along an axis, as a number whose order is that of
-/// coordinates, and which item it is. One number, which is moved and compared many times as fast as the item itself.
+/// An item while the tree is built: its centre along an axis as an integer with the same order, above the item's index. One number
+/// is moved and compared many times as fast as the item itself.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry(u64);
 
@@ -438,7 +438,7 @@ impl Entry {
     }
 }
 
-/// The triangles halved across the longest side of what their middles take up.
+/// Splits the triangles in half across the longest side of the bounds of their centres.
 fn halves<'a>(items: &[Item], order: &'a mut [Entry]) -> (&'a mut [Entry], &'a mut [Entry]) {
     let half = order.len() / 2;
     if half == 0 {
@@ -456,20 +456,20 @@ fn halves<'a>(items: &[Item], order: &'a mut [Entry]) -> (&'a mut [Entry], &'a m
     order.split_at_mut(half)
 }
 
-/// The greater of two numbers, the second if one is a NaN: one instruction, where `f32::max` has to look for them.
+/// The larger of two numbers, the second if one is NaN: one instruction, where `f32::max` also tests for NaN.
 #[inline]
 fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The lesser of two numbers, the second if one is a NaN.
+/// The smaller of two numbers, the second if one is NaN.
 #[inline]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 impl Node {
-    /// The square of each child's distance from a point.
+    /// Squared distance of each child from a point.
     #[inline]
     fn squares(&self, p: Vec3) -> Each {
         let mut squares = [0.0; WIDE];
@@ -483,7 +483,8 @@ impl Node {
         squares
     }
 
-    /// Where a ray enters each child, as a multiple of its direction, of which [`per`] is given; past everything where it does not.
+    /// Where a ray enters each child, as a multiple of its direction, whose inverse ([`per`]) is given; beyond everything if it
+    /// does not.
     #[inline]
     fn entries(&self, origin: Vec3, per: [f32; 3]) -> Each {
         let (mut near, mut far) = ([0.0f32; WIDE], [f32::MAX; WIDE]);

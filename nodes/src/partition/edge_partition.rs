@@ -10,7 +10,9 @@
 //! so that editing one row recomputes its own hairs and those of its neighbours. Not promised: that hairs of one row
 //! never overlap, since combed hair does.
 
-use super::parting_hair::{self, Ground, Home, Middle, Reach, Rules, Wish};
+use super::parting_hair::{
+    self, Middle, PartingHairParams, Reach, RowSection, RowTerritory, Rules,
+};
 use crate::data::attributes::{
     ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SECTION, SIDE, WIDTH,
 };
@@ -212,7 +214,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
     let rows = inputs.source.tufts().iter().flat_map(|tuft| rows_of(tuft));
-    let all_hairs: usize = rows.map(|row| cx.thinned(asked(&inputs, &row))).sum();
+    let all_hairs: usize = rows.map(|row| cx.thinned(requested(&inputs, &row))).sum();
     let cvs = inputs.cvs as f64;
     cx.may_make(&Size::of(&[("hairs beside all rows", all_hairs as f64), ("cvs", cvs)]))?;
     let map = Map::new(cx, &inputs, &rules, &overs, &all)?;
@@ -280,7 +282,7 @@ impl Map {
                     picked.push((n, points.filter_map(nearest).collect()));
                 }
                 role => rows.extend(rows_of(tuft).map(|row| {
-                    let section = home(rules, &row).map(|home| home.number);
+                    let section = own_section(rules, &row).map(|home| home.number);
                     Known { tuft: n, role, row, section }
                 })),
             }
@@ -294,7 +296,7 @@ impl Map {
         let given = |role: i32| self.rows.iter().any(|known| known.role == role);
         let mut needed = BTreeSet::new();
         for row in rows_of(tuft).map(|row| overs.give(row)) {
-            let section = home(rules, &row).map(|home| home.number);
+            let section = own_section(rules, &row).map(|home| home.number);
             let others = || {
                 let others = self.rows.iter().enumerate();
                 others.filter(|(_, other)| !is_self(other.tuft) && other.section == section)
@@ -399,20 +401,20 @@ fn hairs(
             None => rows.iter().filter(|row| row.id != own.id).collect(),
             Some(_) => vec![],
         };
-        let home_of_own = home(rules, &own);
-        let section = home_of_own.map(|home| home.number);
-        let shares = |row: &&Row| home(rules, row).map(|home| home.number) == section;
+        let section_of_own = own_section(rules, &own);
+        let section = section_of_own.map(|home| home.number);
+        let shares = |row: &&Row| own_section(rules, row).map(|home| home.number) == section;
         let free: Vec<&Row> = beside.iter().chain(siblings).filter(shares).collect();
         let of_side = |wired: &Option<Curves>, rows| match wired {
             Some(_) => rows,
             None => free.clone(),
         };
-        let ground = Ground {
+        let ground = RowTerritory {
             scalp: rules.scalp,
             left: of_side(&inputs.left, left.iter().filter(shares).collect()),
             right: of_side(&inputs.right, right.iter().filter(shares).collect()),
             own: &own,
-            home: home_of_own,
+            section: section_of_own,
             near: Cell::new(0),
         };
         row_hairs(cx, inputs, rules, (tuft, i), &ground, read, &mut made, piece)?;
@@ -421,7 +423,7 @@ fn hairs(
 }
 
 /// The section that most of a row lies in; `None` if hairs may cross, or if nothing is parted.
-fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
+fn own_section<'a>(rules: &Rules<'a>, row: &Row) -> Option<RowSection<'a>> {
     let sections = rules.scalp.sections().filter(|_| !rules.crossing)?;
     let mut votes: BTreeMap<u32, u32> = BTreeMap::new();
     for k in 1..16 {
@@ -429,7 +431,7 @@ fn home<'a>(rules: &Rules<'a>, row: &Row) -> Option<Home<'a>> {
         at.into_iter().for_each(|at| *votes.entry(at.section).or_default() += 1);
     }
     let (number, _) = votes.into_iter().rev().max_by_key(|(_, votes)| *votes)?;
-    Some(Home { sections, number })
+    Some(RowSection { sections, number })
 }
 
 /// Hairs under construction.
@@ -481,7 +483,7 @@ impl Made {
 }
 
 /// Requested number of hairs of a row.
-fn asked(inputs: &Inputs, row: &Row) -> usize {
+fn requested(inputs: &Inputs, row: &Row) -> usize {
     let lead = inputs.lead / row.length();
     let a_side = match inputs.by {
         By::PerCm => inputs.per_cm * row.length() * (1.0 + lead),
@@ -495,7 +497,7 @@ fn row_hairs(
     inputs: &Inputs,
     rules: &Rules,
     (tuft, curve): (&Tuft, usize),
-    ground: &Ground,
+    ground: &RowTerritory,
     read: &[&Tuft],
     made: &mut Made,
     piece: &mut Piece,
@@ -509,7 +511,7 @@ fn row_hairs(
     let radius_at = |u: f32| radius.along(tuft, curve, u);
 
     let lead = inputs.lead / row.length();
-    let count = asked(inputs, row);
+    let count = requested(inputs, row);
     let gather = gather(inputs, ground, count / 2, read);
     let dice = cx.dice(inputs.seed, "edge");
     let braid = braid_id(tuft, curve, row, read);
@@ -526,7 +528,7 @@ fn row_hairs(
         let along = u.clamp(0.0, 1.0);
         let vary = |index: u64| dice.signed(id, index) * inputs.unevenness;
         let angle = (pull.along(tuft, curve, along) + 12.0 * vary(0)).clamp(-80.0, 80.0);
-        let wish = Wish {
+        let wish = PartingHairParams {
             u,
             side,
             mediate: mediate.along(tuft, curve, along) * (1.0 - inputs.jitter * b),
@@ -550,7 +552,7 @@ fn row_hairs(
             let radius = radius_at(end_u);
             let middle = group.and_then(|group| {
                 *middles.entry(group).or_insert_with(|| {
-                    let wish = Wish {
+                    let wish = PartingHairParams {
                         u: end_u,
                         side,
                         mediate: mediate.along(tuft, curve, end_u),
@@ -612,7 +614,7 @@ fn spot(dice: Dice, row: u64, side: i32, i: usize) -> [f32; 2] {
     r2(i as u32, [dice.unit(row, s), dice.unit(row, 2 + s)])
 }
 
-fn gather(inputs: &Inputs, ground: &Ground, a_side: usize, read: &[&Tuft]) -> Option<Gather> {
+fn gather(inputs: &Inputs, ground: &RowTerritory, a_side: usize, read: &[&Tuft]) -> Option<Gather> {
     let row = ground.own;
     let places = match inputs.grouping {
         Grouping::None => return None,

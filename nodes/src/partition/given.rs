@@ -116,7 +116,7 @@ impl Maker<'_> {
     }
 
     /// The drawn rows, each with the section that most of it lies in.
-    pub(super) fn known_rows(
+    pub(super) fn drawn_rows(
         &self,
         cx: &EvalCx,
         sections: &Sections,

@@ -141,7 +141,7 @@ fn aside(chart: &Chart, q: Vec2, way: Vec2, off: f32) -> Vec2 {
 
 /// State of a line's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum End {
+pub(crate) enum LineEnd {
     /// It meets another line or lies outside the hairline.
     Met,
     /// It ends in hair and cuts nothing.
@@ -155,8 +155,8 @@ pub(crate) fn end(
     points: &mut Vec<Vec2>,
     others: &[&[Vec2]],
     [join, farthest]: [f32; 2],
-) -> End {
-    let Some(tip) = points.last().copied() else { return End::Loose };
+) -> LineEnd {
+    let Some(tip) = points.last().copied() else { return LineEnd::Loose };
     let per_cm = CELL / chart.stretch(tip, Vec2::new(CELL, 0.0)).max(1e-6);
     let reach = join * per_cm;
     let far = farthest * per_cm;
@@ -182,7 +182,7 @@ pub(crate) fn end(
         let (a, b) = (points[k - 1], points[k]);
         points.truncate(k);
         points.push(a.lerp(b, t) + (b - a).normalize_or_zero() * over);
-        return End::Met;
+        return LineEnd::Met;
     }
     if chart.grows(tip) == 0.0 {
         // Outside the hairline nothing is parted, except for a first step.
@@ -190,10 +190,10 @@ pub(crate) fn end(
         if let Some(k) = inside {
             points.truncate((k + 2).min(points.len()));
         }
-        return End::Met;
+        return LineEnd::Met;
     }
     let before = points.iter().rev().find(|q| q.distance(tip) > 3.0 * CELL).copied();
-    let Some(way) = before.and_then(|b| (tip - b).try_normalize()) else { return End::Loose };
+    let Some(way) = before.and_then(|b| (tip - b).try_normalize()) else { return LineEnd::Loose };
     let crossing = first_crossing(tip, tip + way * far, &near).map(|t| far * t);
     let steps = (far / (0.5 * CELL)).ceil() as usize;
     let edge = (1..=steps)
@@ -203,11 +203,11 @@ pub(crate) fn end(
         (Some(a), Some(b)) => a.min(b),
         (a, b) => match a.or(b) {
             Some(to) => to,
-            None => return End::Loose,
+            None => return LineEnd::Loose,
         },
     };
     points.push(tip + way * (to + over));
-    End::Met
+    LineEnd::Met
 }
 
 /// How far a line continues past one that it meets, cm.

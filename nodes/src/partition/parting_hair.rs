@@ -16,7 +16,7 @@ use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::maths::closest::Hit;
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use crate::maths::transcendental::{sin_cos, tan};
 use crate::scalp::territory::{Row, Station, neighbour};
 use glam::Vec3;
@@ -49,24 +49,24 @@ impl Rules<'_> {
 }
 
 /// A row and what limits its hairs: other rows and, on a parted scalp, their common section.
-pub(crate) struct Ground<'a> {
+pub(crate) struct RowTerritory<'a> {
     pub(crate) scalp: &'a Scalp,
     pub(crate) own: &'a Row,
     pub(crate) left: Vec<&'a Row>,
     pub(crate) right: Vec<&'a Row>,
-    pub(crate) home: Option<Home<'a>>,
+    pub(crate) section: Option<RowSection<'a>>,
     /// The triangle found last: the next one is near it.
     pub(crate) near: Cell<u32>,
 }
 
 /// The section that a row lies in.
 #[derive(Clone, Copy)]
-pub(crate) struct Home<'a> {
+pub(crate) struct RowSection<'a> {
     pub(crate) sections: &'a Sections,
     pub(crate) number: u32,
 }
 
-impl Home<'_> {
+impl RowSection<'_> {
     /// Distance of a point inside the section and off the bare skin of its partings, cm; negative elsewhere.
     fn slack(&self, p: Vec3) -> f32 {
         match self.sections.at(p) {
@@ -78,7 +78,7 @@ impl Home<'_> {
 
 /// Settings of one hair.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wish {
+pub(crate) struct PartingHairParams {
     /// Fraction of the row beside which it is rooted; below 0 is in front of the row.
     pub(crate) u: f32,
     pub(crate) side: i32,
@@ -93,14 +93,14 @@ pub(crate) struct Wish {
 
 /// Where a hair begins and would end by default.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Start {
+pub(crate) struct HairStart {
     pub(crate) root: Root,
     pub(crate) end_u: f32,
     /// How far along the row the end is pulled, as a fraction of its length.
     pulled: f32,
 }
 
-impl Ground<'_> {
+impl RowTerritory<'_> {
     fn beside(&self, side: i32) -> &[&Row] {
         if side < 0 { &self.left } else { &self.right }
     }
@@ -114,12 +114,12 @@ impl Ground<'_> {
     }
     /// Twice the distance of `p` from the border of its territory, or less: it may move by half of that without leaving.
     fn margin(&self, p: Vec3) -> f32 {
-        let section = self.home.as_ref().map_or(f32::MAX, |home| 2.0 * home.slack(p).max(0.0));
+        let section = self.section.as_ref().map_or(f32::MAX, |home| 2.0 * home.slack(p).max(0.0));
         section.min(self.ahead(p))
     }
     /// Whether `p` is in its own section, and closer to its own row than to any other by `slack`.
-    fn is_home(&self, p: Vec3, slack: f32) -> bool {
-        if self.home.as_ref().is_some_and(|home| home.slack(p) < 0.0) {
+    fn is_in_section(&self, p: Vec3, slack: f32) -> bool {
+        if self.section.as_ref().is_some_and(|home| home.slack(p) < 0.0) {
             return false;
         }
         let limit = self.to_own(p) + slack;
@@ -165,7 +165,7 @@ const LOOK: f32 = 0.2;
 
 impl Reach {
     /// Samples a row from `lead` (a fraction of its length) in front of its root to its end.
-    pub(crate) fn new(rules: &Rules, ground: &Ground, lead: f32) -> Self {
+    pub(crate) fn new(rules: &Rules, ground: &RowTerritory, lead: f32) -> Self {
         let n = (ground.own.length() * (1.0 + lead) / LOOK).ceil().clamp(4.0, 1000.0);
         let look = |side: i32| {
             let at = |k: usize| beside(rules, ground, (1.0 + lead) * k as f32 / n - lead, side);
@@ -204,13 +204,13 @@ impl Reach {
 }
 
 /// What lies on one side of a row at `u`; `None` if there is no territory, or none that is the row's own.
-fn beside(rules: &Rules, ground: &Ground, u: f32, side: i32) -> Option<Beside> {
+fn beside(rules: &Rules, ground: &RowTerritory, u: f32, side: i32) -> Option<Beside> {
     let station = Station::new(ground.own, rules.scalp, u);
     let way = station.side(side);
     let rows = ground.beside(side).iter().copied().enumerate();
     let met = neighbour(&station, side, rows, rules.reach);
     let met = met.map(|(who, q)| (q - station.point, true, who));
-    let (to, shared, who) = if let Some(home) = &ground.home {
+    let (to, shared, who) = if let Some(home) = &ground.section {
         // The border of the section takes the place of the parting halfway to a neighbour.
         let inside = |d: &f32| {
             let root = ground.root(rules, station.point + way * *d);
@@ -252,7 +252,7 @@ fn grows(scalp: &Scalp, root: &Root) -> f32 {
 /// The root at a fraction of the way to what lies beside, and its remaining slack.
 fn place(
     rules: &Rules,
-    ground: &Ground,
+    ground: &RowTerritory,
     station: &Station,
     beside: &Beside,
     t: f32,
@@ -260,7 +260,7 @@ fn place(
     let root = ground.root(rules, station.point + beside.to * t)?;
     let slack = if rules.crossing {
         f32::MAX
-    } else if let Some(home) = &ground.home {
+    } else if let Some(home) = &ground.section {
         home.slack(root.point).min(ground.ahead(root.point) - rules.parting)
     } else if beside.shared {
         ground.ahead(root.point) - rules.parting
@@ -273,7 +273,12 @@ fn place(
 }
 
 /// The root of a hair; `None` if there is no territory on that side, or none that is the row's own.
-pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) -> Option<Start> {
+pub(crate) fn start(
+    rules: &Rules,
+    ground: &RowTerritory,
+    reach: &Reach,
+    wish: &PartingHairParams,
+) -> Option<HairStart> {
     // Among scraps and folds hardly two samples agree: one of them will do.
     let one = || reach.about(wish.u, wish.side).filter(|_| rules.for_hair.is_none());
     let (station, root) = match reach.at(wish.u, wish.side).or_else(one) {
@@ -300,7 +305,7 @@ pub(crate) fn start(rules: &Rules, ground: &Ground, reach: &Reach, wish: &Wish) 
     // The pull is measured from beside the root, not from the slanted line to the neighbour.
     let off = (root.point - station.point).reject_from_normalized(station.along).length();
     let pulled = tan(wish.pull) * off / ground.own.length();
-    Some(Start { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
+    Some(HairStart { root, end_u: (wish.u + pulled).clamp(0.0, 1.0), pulled })
 }
 
 /// The farthest root with slack, and its fraction of the way, up to `most` (where the slack is `lack`); `None` if the
@@ -338,7 +343,7 @@ const NEAR_ENOUGH: f32 = 0.002;
 
 /// Where hairs end in the braid.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct End {
+pub(crate) struct HairEnd {
     pub(crate) point: Vec3,
     along: Vec3,
     out: Vec3,
@@ -355,7 +360,7 @@ pub(crate) fn end(
     u: f32,
     (side, round): (i32, f32),
     radius: f32,
-) -> End {
+) -> HairEnd {
     let station = Station::new(row, rules.scalp, u);
     let (sin, cos) = sin_cos(round);
     let out = station.side(side) * cos + station.normal * sin;
@@ -363,10 +368,10 @@ pub(crate) fn end(
     let off = (radius - rules.tuck).max(0.0).min(0.6 * start.point.distance(station.point));
     let point = station.point + out * off;
     let point = rules.for_hair.map_or(point, |skin| lift(&skin, point, rules.clear).0);
-    End { point, along: station.along, out, axis: station.point, radius }
+    HairEnd { point, along: station.along, out, axis: station.point, radius }
 }
 
-impl End {
+impl HairEnd {
     /// A point of the group around this end; `spread` holds three numbers in [-1, 1].
     pub(crate) fn within(&self, rules: &Rules, spread: Vec3) -> Vec3 {
         let ball = spread / spread.length().max(1.0) * rules.group_radius;
@@ -384,19 +389,19 @@ impl End {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Middle {
     root: Vec3,
-    pub(crate) end: End,
+    pub(crate) end: HairEnd,
 }
 
 /// The hair without randomness that ends at the fraction `wish.u` of the row; `radius` is the braid's there.
 pub(crate) fn middle(
     rules: &Rules,
-    ground: &Ground,
+    ground: &RowTerritory,
     reach: &Reach,
-    wish: &Wish,
+    wish: &PartingHairParams,
     radius: f32,
 ) -> Option<Middle> {
     let beside = start(rules, ground, reach, wish)?;
-    let before = Wish { u: (wish.u - beside.pulled).max(0.0), ..*wish };
+    let before = PartingHairParams { u: (wish.u - beside.pulled).max(0.0), ..*wish };
     let root = start(rules, ground, reach, &before).unwrap_or(beside).root;
     let end = end(rules, ground.own, &root, wish.u, (wish.side, wish.round), radius);
     Some(Middle { root: root.point, end })
@@ -406,7 +411,7 @@ pub(crate) fn middle(
 /// False if root and end coincide.
 pub(crate) fn way(
     rules: &Rules,
-    ground: &Ground,
+    ground: &RowTerritory,
     root: &Root,
     (end, along): (Vec3, Vec3),
     lift: f32,
@@ -455,7 +460,7 @@ pub(crate) fn way(
         let height = lift * 4.0 * s * (1.0 - s) + end_height * s * s;
         let height = height.max(rules.clear * (s * 8.0).min(1.0));
         if !rules.crossing && 2.0 * p.distance(known) > sure {
-            p = kept_at_home(rules, ground, p, 0.25 * rules.parting);
+            p = kept_in_section(rules, ground, p, 0.25 * rules.parting);
             (known, sure) = (p, (ground.margin(p) - 0.25 * rules.parting).min(SURE));
         }
         points.push(match lies {
@@ -485,8 +490,8 @@ pub(crate) fn way(
         lift_each(&skin, points[1..rules.cvs - 1].iter_mut(), |_| 0.0);
     }
     // A border may protrude between two points that are inside.
-    let stays = |home: &Home| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
-    rules.crossing || ground.home.as_ref().is_none_or(stays)
+    let stays = |home: &RowSection| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));
+    rules.crossing || ground.section.as_ref().is_none_or(stays)
 }
 
 /// A point within half of this (cm) of one that is inside is inside as well: over the scalp and past an ear, distances
@@ -523,15 +528,15 @@ impl Feeler<'_> {
 }
 
 /// `p`, or a point toward its own row that is at least `slack` closer to it than to any other.
-fn kept_at_home(rules: &Rules, ground: &Ground, p: Vec3, slack: f32) -> Vec3 {
-    if ground.is_home(p, slack) {
+fn kept_in_section(rules: &Rules, ground: &RowTerritory, p: Vec3, slack: f32) -> Vec3 {
+    if ground.is_in_section(p, slack) {
         return p;
     }
     let home = ground.own.nearest(p).0;
     let (mut out, mut back) = (0.0, 1.0);
     for _ in 0..rules.rounds(8) {
         let middle = 0.5 * (out + back);
-        if ground.is_home(p.lerp(home, middle), slack) { back = middle } else { out = middle }
+        if ground.is_in_section(p.lerp(home, middle), slack) { back = middle } else { out = middle }
     }
     p.lerp(home, back)
 }
@@ -548,7 +553,7 @@ fn lifted(rules: &Rules, spline: &mut Spline, points: &mut [Vec3], near: u32) ->
         // The root stays, so its span moves only with its other end, and is sampled close to the root.
         let at: &[f32] = if span == 0 { &[0.08, 0.2, 0.5] } else { &[0.33, 0.67] };
         for &t in at {
-            let p = spline.point(Place { span, t });
+            let p = spline.point(SplineParam { span, t });
             let wanted = rules.clear * if span == 0 { 0.1 * t } else { 0.1 };
             let low = wanted - feeler.height(p);
             if low > 0.0 {

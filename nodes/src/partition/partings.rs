@@ -9,9 +9,9 @@
 //! middle of hair parts the hair beside it and cuts no section, which is reported.
 
 use super::given::Maker;
-use super::lines::{End, Uneven, end, fine, laid, uneven};
+use super::lines::{LineEnd, Uneven, end, fine, laid, uneven};
 use super::midlines::between;
-use super::pattern::{self, Cut, Drawn, Flat, Rows, Wish};
+use super::pattern::{self, CellShape, Flat, PatternLines, PatternParams, Rows};
 use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::chart::{CELLS, Chart, cell_of};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
@@ -188,7 +188,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         .map(|place| place.section);
     let rows = match &inputs.between {
         _ if !is_on_map => Curves::default(),
-        Some(rows) => maker.known_rows(cx, &sections, rows)?,
+        Some(rows) => maker.drawn_rows(cx, &sections, rows)?,
         None => maker.rows(cx, &sections, &middles, tied)?,
     };
     let middles = maker.middles(&sections);
@@ -204,7 +204,7 @@ fn on_the_map(
 ) -> Result<Vec<Vec<Vec2>>, NodeError> {
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
-    let Drawn { mut lines, middles } = lines(cx, inputs, part)?;
+    let PatternLines { mut lines, middles } = lines(cx, inputs, part)?;
     cx.check()?;
     let flat = |p: &Parting| p.points.iter().map(|p| chart.flat(*p)).collect();
     let old: Vec<Vec<Vec2>> = partings.iter().map(flat).collect();
@@ -295,10 +295,10 @@ fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
 }
 
 /// Drawn lines and pattern lines, on the map.
-fn lines(cx: &EvalCx, inputs: &Inputs, part: &[bool]) -> Result<Drawn, NodeError> {
+fn lines(cx: &EvalCx, inputs: &Inputs, part: &[bool]) -> Result<PatternLines, NodeError> {
     let scalp = &*inputs.scalp;
     let chart = scalp.chart();
-    let mut drawn = Drawn::default();
+    let mut drawn = PatternLines::default();
     for (id, spline) in by_hand(cx, inputs) {
         let n = ((spline.length() / 0.2).ceil() as usize).clamp(2, 4096);
         let mut points = Vec::with_capacity(n);
@@ -319,13 +319,13 @@ fn lines(cx: &EvalCx, inputs: &Inputs, part: &[bool]) -> Result<Drawn, NodeError
         Pattern::Halo => Some(Rows::Rings),
     };
     if let Some(rows) = rows {
-        let wish = Wish {
+        let wish = PatternParams {
             rows,
             count: inputs.count as usize,
             cut: match inputs.cells {
-                Cells::Whole => Cut::Whole,
-                Cells::Boxes => Cut::Boxes,
-                Cells::Triangles => Cut::Triangles,
+                Cells::Whole => CellShape::Whole,
+                Cells::Boxes => CellShape::Boxes,
+                Cells::Triangles => CellShape::Triangles,
             },
             cell: inputs.cell_length,
             brick: inputs.brick,
@@ -401,10 +401,10 @@ fn bring_together(
             let [first, last_tied] = lines[i].tied;
             for tied in [last_tied, first] {
                 let end = match tied {
-                    true => End::Met,
+                    true => LineEnd::Met,
                     false => end(chart, &mut points, &others, [join, reach]),
                 };
-                if end == End::Loose {
+                if end == LineEnd::Loose {
                     loose += 1;
                     if last && lines[i].by_hand {
                         first_end = first_end.or(points.last().copied());

@@ -4,7 +4,7 @@
 //! the lines are measured on the head itself: all rows have the same mean width, so that the outermost row is not a
 //! sliver on a head with a higher or lower hairline.
 
-use super::stereographic_grid::{Net, wrapped};
+use super::stereographic_grid::{StereographicGrid, wrapped};
 use crate::data::chart::{CELLS, Chart, middle};
 use crate::data::scalp::HeadFrame;
 use crate::maths::hash::curve_id;
@@ -29,7 +29,7 @@ pub(crate) enum Rows {
 
 /// What rows are cut into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Cut {
+pub(crate) enum CellShape {
     Whole,
     Boxes,
     Triangles,
@@ -37,10 +37,10 @@ pub(crate) enum Cut {
 
 /// Settings of a pattern. Lengths in cm.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wish {
+pub(crate) struct PatternParams {
     pub(crate) rows: Rows,
     pub(crate) count: usize,
-    pub(crate) cut: Cut,
+    pub(crate) cut: CellShape,
     /// Length of a box or triangle along its row.
     pub(crate) cell: f32,
     pub(crate) brick: bool,
@@ -70,7 +70,7 @@ pub(crate) struct Flat {
 
 /// The lines of a pattern.
 #[derive(Debug, Default)]
-pub(crate) struct Drawn {
+pub(crate) struct PatternLines {
     pub(crate) lines: Vec<Flat>,
     /// The centre line of each row, from its hairline or front end.
     pub(crate) middles: Vec<Vec<Vec2>>,
@@ -80,7 +80,7 @@ pub(crate) struct Drawn {
 struct Family<'a> {
     chart: &'a Chart,
     frame: &'a HeadFrame,
-    net: Net,
+    net: StereographicGrid,
     /// Rings: distance (radians) of the hairline from the first pole in each direction; empty for lines.
     edge: Vec<f32>,
     /// Cells that belong to the part.
@@ -244,7 +244,7 @@ impl Family<'_> {
         lengths(self.chart, run.iter().map(|r| r.0)).last().copied().unwrap_or(0.0)
     }
 
-    fn put(&self, wish: &Wish, number: u64, level: f32, out: &mut Drawn) {
+    fn put(&self, wish: &PatternParams, number: u64, level: f32, out: &mut PatternLines) {
         for (k, (run, closed)) in (0..).zip(self.runs(level)) {
             let id = curve_id(curve_id(wish.tag, 1, number), 2, k);
             let points = run.into_iter().map(|r| r.0).collect();
@@ -262,14 +262,14 @@ impl Family<'_> {
     /// Draws what is between two levels: the centre line of the row there, or its cuts.
     fn row(
         &self,
-        wish: &Wish,
+        wish: &PatternParams,
         (number, of): (usize, usize),
         [low, mid, high]: [f32; 3],
-        out: &mut Drawn,
+        out: &mut PatternLines,
     ) {
         let mut runs = self.runs(mid);
         runs.sort_by(|a, b| self.length(&b.0).total_cmp(&self.length(&a.0)));
-        if wish.cut == Cut::Whole {
+        if wish.cut == CellShape::Whole {
             let longest = runs.into_iter().next();
             out.middles.extend(longest.map(|(run, _)| run.into_iter().map(|r| r.0).collect()));
             return;
@@ -284,11 +284,11 @@ impl Family<'_> {
     /// Cuts a row along one run of its centre level into boxes or triangles.
     fn cuts(
         &self,
-        wish: &Wish,
+        wish: &PatternParams,
         (number, of, piece): (usize, usize, u64),
         [low, high]: [f32; 2],
         (run, closed): (&[(Vec2, f32)], bool),
-        out: &mut Drawn,
+        out: &mut PatternLines,
     ) {
         let lengths = lengths(self.chart, run.iter().map(|r| r.0));
         let length = lengths.last().copied().unwrap_or(0.0);
@@ -333,14 +333,14 @@ impl Family<'_> {
             if closed && s > length { along(s - length) + TAU } else { along(s) }
         };
         match wish.cut {
-            Cut::Whole => {}
-            Cut::Boxes => {
+            CellShape::Whole => {}
+            CellShape::Boxes => {
                 for i in if closed { 0..n } else { 1..n } {
                     let v = at(i as f32);
                     cut(i, (low, v), (high, v));
                 }
             }
-            Cut::Triangles => {
+            CellShape::Triangles => {
                 for i in 0..n {
                     let (a, b, c) = (at(i as f32), at(i as f32 + 0.5), at(i as f32 + 1.0));
                     if i > 0 || closed {
@@ -369,9 +369,14 @@ pub(crate) fn lengths(chart: &Chart, line: impl Iterator<Item = Vec2>) -> Vec<f3
 }
 
 /// The lines of a pattern on the cells of a head that are in `part`.
-pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish) -> Drawn {
-    let mut out = Drawn::default();
-    let family = |net: Net, part| Family {
+pub(crate) fn drawn(
+    chart: &Chart,
+    frame: &HeadFrame,
+    part: &[bool],
+    wish: &PatternParams,
+) -> PatternLines {
+    let mut out = PatternLines::default();
+    let family = |net: StereographicGrid, part| Family {
         chart,
         frame,
         net,
@@ -384,11 +389,11 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
         Rows::Back | Rows::Across => {
             let turned = |d: Vec3| about_up(d, wish.turn);
             let net = if wish.rows == Rows::Back {
-                Net::new(turned(FRONT), turned(BEHIND), Vec3::Y, turned(Vec3::X))
+                StereographicGrid::new(turned(FRONT), turned(BEHIND), Vec3::Y, turned(Vec3::X))
             } else {
                 // From below the ear on the head's left to its right; the first row is that of the forehead.
                 let (left, right) = (UNDER_EAR, UNDER_EAR * Vec3::new(-1.0, 1.0, 1.0));
-                Net::new(turned(left), turned(right), Vec3::Y, turned(Vec3::NEG_Z))
+                StereographicGrid::new(turned(left), turned(right), Vec3::Y, turned(Vec3::NEG_Z))
             };
             let mirror = wish.rows == Rows::Back && wish.mirror && wish.turn == 0.0;
             rows(&Family { mirror, ..family(net, part) }, wish, count, 0, &mut out);
@@ -400,7 +405,7 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
                     .collect();
                 let bent = |d: Vec3, by: f32| about_up(d, by * side);
                 let sweep = if wish.turn == 0.0 { SWEEP } else { wish.turn };
-                let net = Net::new(
+                let net = StereographicGrid::new(
                     bent(FRONT, -sweep),
                     bent(BEHIND, 0.5 * sweep),
                     bent(Vec3::new(0.1, 1.0, 0.0), 0.0),
@@ -410,11 +415,11 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
                 rows(&own, wish, count.div_ceil(2), half, &mut out);
             }
             // The middle parting bounds both halves and ends their rows.
-            let net = Net::new(FRONT, BEHIND, Vec3::Y, Vec3::X);
+            let net = StereographicGrid::new(FRONT, BEHIND, Vec3::Y, Vec3::X);
             family(net, part).put(wish, 999, 0.0, &mut out);
         }
         Rows::Gathered => {
-            let net = Net::new(wish.centre, -wish.centre, Vec3::Z, Vec3::X);
+            let net = StereographicGrid::new(wish.centre, -wish.centre, Vec3::Z, Vec3::X);
             let family = family(net, part);
             let widths = family.widths();
             // Lines or rows in the middle of the forehead, for even or odd numbers, so that both sides are alike.
@@ -434,7 +439,7 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
             cut_at_ring(&family, wish, &mut out);
         }
         Rows::Rings => {
-            let net = Net::new(wish.centre, -wish.centre, Vec3::Z, Vec3::X);
+            let net = StereographicGrid::new(wish.centre, -wish.centre, Vec3::Z, Vec3::X);
             let plain = family(net, part);
             let edge = hairline(&plain);
             let family = Family { edge, ..plain };
@@ -454,7 +459,7 @@ pub(crate) fn drawn(chart: &Chart, frame: &HeadFrame, part: &[bool], wish: &Wish
 }
 
 /// `count` rows side by side.
-fn rows(family: &Family, wish: &Wish, count: usize, half: usize, out: &mut Drawn) {
+fn rows(family: &Family, wish: &PatternParams, count: usize, half: usize, out: &mut PatternLines) {
     let widths = family.widths();
     let level = |k: f32| family.level_at(&widths, (k / count as f32).clamp(0.0, 1.0));
     let number = |k: usize| (half * 1000 + k) as u64;
@@ -517,7 +522,7 @@ fn hairline(family: &Family) -> Vec<f32> {
 }
 
 /// Ends the rows of a gathered pattern at the ring around its centre, and draws the ring.
-fn cut_at_ring(family: &Family, wish: &Wish, out: &mut Drawn) {
+fn cut_at_ring(family: &Family, wish: &PatternParams, out: &mut PatternLines) {
     let angle = (wish.gather / family.frame.radius).clamp(0.02, 1.5);
     let ring = ln(tan(0.5 * angle));
     let outside = |q: &Vec2| {

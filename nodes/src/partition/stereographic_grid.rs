@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 
 /// The net between two poles. Directions are in the head frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Net {
+pub(crate) struct StereographicGrid {
     /// The pole at infinity, and two directions perpendicular to it.
     to: Vec3,
     axes: [Vec3; 2],
@@ -20,7 +20,7 @@ pub(crate) struct Net {
     sign: f32,
 }
 
-impl Net {
+impl StereographicGrid {
     /// The net whose lines run from one direction to another. The line through `zero` is number 0; angles grow toward
     /// `plus`.
     pub(crate) fn new(from: Vec3, to: Vec3, zero: Vec3, plus: Vec3) -> Self {
@@ -75,7 +75,7 @@ mod tests {
             if v(0).dot(v(1)) > 0.8 {
                 continue;
             }
-            let net = Net::new(v(0), v(1), v(2), v(3));
+            let net = StereographicGrid::new(v(0), v(1), v(2), v(3));
             let (zero, _) = net.place(v(2));
             assert!(zero.abs() < 2e-3, "{zero}");
             assert!(net.place(v(3)).0 > -1e-3);

@@ -59,7 +59,7 @@ node! {
         [Randomness]
         /// Random shortening of locks and hairs; short ones end inside the coil.
         uneven: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("length variation messy");
-        /// How far locks and hairs wander from their place.
+        /// Largest random offset of locks and hairs from their path.
         loose: f32 = 0.08, hard(0.0, 10.0), soft(0.0, 1.0), unit(Length), words("frizz messy natural");
         /// Random seed for this node. It changes ids too.
         seed: i64 = 0;

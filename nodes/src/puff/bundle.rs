@@ -86,7 +86,7 @@ pub(super) struct Bundle<'a> {
     pub locks: usize,
     /// How far hairs are drawn to the centre of their lock at its tip.
     pub clump: f32,
-    /// How far locks and hairs wander, cm.
+    /// Largest random offset of locks and hairs, cm.
     pub loose: f32,
     /// Points per hair.
     pub points: usize,

@@ -102,7 +102,7 @@ node! {
         scale_with_head: bool = true;
 
         [Randomness]
-        /// How far hairs wander sideways on their way. 0 is perfectly combed.
+        /// Random sideways deviation of hairs on their way to the tie. 0 is perfectly combed.
         wander: f32 = 0.08, hard(0.0, 5.0), soft(0.0, 0.5), unit(Length), words("jitter random messy natural");
         /// Fraction of hairs that stand off from the others on their way.
         stray: f32 = 0.01, hard(0.0, 1.0), soft(0.0, 0.1), unit(Ratio), words("flyaways loose");
@@ -638,7 +638,7 @@ impl Gatherer<'_> {
             let way = (root.lerp(to, t) - middle).normalize_or(root - middle);
             *p = middle + way * (near + (far - near) * t);
         }
-        self.detour.lead(&mut hair[..=past], Towards::Top);
+        self.detour.reroute(&mut hair[..=past], Towards::Top);
         lift_each(&self.skin, &mut hair[1..past], |_| 0.0);
     }
 

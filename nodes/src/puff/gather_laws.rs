@@ -7,7 +7,7 @@ use crate::data::curves::Curves;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
 use crate::eval::{EvalCx, PlainHost};
-use crate::laws::{Hair, depth, roots};
+use crate::laws::{MeasuredHair, depth, roots};
 use crate::maths::hash::KeyBuilder;
 use crate::maths::transcendental::atan2;
 use crate::testing::{curves_of, run};
@@ -45,7 +45,7 @@ fn hair_is_rooted_stays_out_of_the_head_and_ends_in_its_tie() {
         let (hair, ties) = gather(set);
         assert!(hair.curve_count() > 1000);
         assert!(roots::off_their_places(&hair, &scalp) < 1e-5);
-        let deepest = depth::measure(&Hair::of(&hair, &PlainHost), &scalp).deepest_cm;
+        let deepest = depth::measure(&MeasuredHair::of(&hair, &PlainHost), &scalp).deepest_cm;
         assert!(deepest < 1e-3, "{deepest}");
         for (tuft, i) in hair.each() {
             let points = tuft.curve(i);

@@ -10,7 +10,7 @@ use crate::data::scalp::tests::ball;
 use crate::data::scalp::{HeadFrame, REGION, Root, Scalp};
 use crate::define::Value;
 use crate::eval::{Log, PlainHost, Quality};
-use crate::laws::{Hair, depth, outlines, roots};
+use crate::laws::{MeasuredHair, depth, outlines, roots};
 use crate::maths::closest::{Surface, tests::sphere};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::spline::Spline;
@@ -117,10 +117,10 @@ fn the_fill_covers_the_sphere() {
         &[("curves", hair.clone().into()), ("preset", "4a".into())],
     );
     for (what, hair) in [("straight", &hair), ("4a", curves_of(&curled.0[0]))] {
-        let found = outlines::measure(&Hair::of(hair, &PlainHost)).unwrap();
+        let found = outlines::measure(&MeasuredHair::of(hair, &PlainHost)).unwrap();
         println!("{what}: {found:?}");
         // Rings whose far border lies 5 degrees or more inside what was asked.
-        assert!(found.can_be_judged() && found.asked == Some(140.0), "{what}: {found:?}");
+        assert!(found.can_be_judged() && found.requested == Some(140.0), "{what}: {found:?}");
         assert!(found.are_clean() && found.coverage > 135.0, "{what}: {found:?}");
     }
 }
@@ -156,7 +156,7 @@ fn each_placement_has_its_puff_and_hair_is_bound_and_outside() {
     assert_eq!(said, ["a placement without a root was left out (curve 0000000000000009)"]);
     let scalp = ball();
     assert!(roots::off_their_places(&hair, &scalp) < 1e-3);
-    assert!(depth::measure(&Hair::of(&hair, &PlainHost), &scalp).deepest_cm < 1e-3);
+    assert!(depth::measure(&MeasuredHair::of(&hair, &PlainHost), &scalp).deepest_cm < 1e-3);
     let parents: BTreeSet<u64> = guides.each().map(|(tuft, i)| tuft.id(i)).collect();
     for (tuft, i) in hair.each() {
         let points = tuft.curve(i);

@@ -14,7 +14,7 @@ use std::f32::consts::TAU;
 const AROUND: usize = 720;
 
 /// The outline of one puff.
-pub(crate) enum Outline<'a> {
+pub(crate) enum PuffOutline<'a> {
     Sphere,
     /// Half axes in radii.
     Ellipsoid(Vec3),
@@ -24,15 +24,15 @@ pub(crate) enum Outline<'a> {
     Drawn(Vec<f32>, Vec<f32>),
 }
 
-impl Outline<'_> {
+impl PuffOutline<'_> {
     /// Distance from the centre in a local unit direction, for a sphere of this radius.
     pub(crate) fn reach(&self, d: Vec3, radius: f32) -> f32 {
         let reach = match self {
-            Outline::Sphere => return radius,
-            Outline::Ellipsoid(half) => {
+            PuffOutline::Sphere => return radius,
+            PuffOutline::Ellipsoid(half) => {
                 radius / (d / half.max(Vec3::splat(0.01))).length().max(1e-6)
             }
-            Outline::Mesh(surface, centre, [right, up, ahead]) => {
+            PuffOutline::Mesh(surface, centre, [right, up, ahead]) => {
                 let out = *right * d.x + *up * d.y + *ahead * d.z;
                 let (low, high) = surface.bounds();
                 let far = low.distance(high) + centre.distance(0.5 * (low + high));
@@ -40,7 +40,7 @@ impl Outline<'_> {
                 let hit = surface.ray(*centre + out * far, -out * far, 1.0);
                 hit.map_or(radius, |hit| hit.point.distance(*centre))
             }
-            Outline::Drawn(front, side) => {
+            PuffOutline::Drawn(front, side) => {
                 let polar = acos(d.y) / TAU;
                 let f = read(front, if d.x < 0.0 { 1.0 - polar } else { polar });
                 let s = read(side, if d.z < 0.0 { 1.0 - polar } else { polar });
@@ -117,9 +117,9 @@ mod tests {
         };
         let egg = ring(&|s, c| Vec3::new(5.0 * s, 6.0 * c, 0.0));
         let circle = ring(&|s, c| Vec3::new(0.0, 4.0 * c, 4.0 * s));
-        let front = Outline::drawn(&egg, 1.0, |p| Vec2::new(p.x, p.y));
-        let side = Outline::drawn(&circle, 1.0, |p| Vec2::new(p.z, p.y));
-        let drawn = Outline::Drawn(front, side);
+        let front = PuffOutline::drawn(&egg, 1.0, |p| Vec2::new(p.x, p.y));
+        let side = PuffOutline::drawn(&circle, 1.0, |p| Vec2::new(p.z, p.y));
+        let drawn = PuffOutline::Drawn(front, side);
         for (d, wanted) in [(Vec3::X, 5.0), (Vec3::NEG_X, 5.0), (Vec3::Z, 4.0), (Vec3::NEG_Z, 4.0)]
         {
             assert!((drawn.reach(d, 1.0) - wanted).abs() < 0.02, "{d}: {}", drawn.reach(d, 1.0));
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn an_ellipsoid_has_its_half_axes() {
-        let shape = Outline::Ellipsoid(Vec3::new(1.0, 2.0, 0.5));
+        let shape = PuffOutline::Ellipsoid(Vec3::new(1.0, 2.0, 0.5));
         assert_eq!(shape.reach(Vec3::Y, 3.0), 6.0);
         assert_eq!(shape.reach(Vec3::Z, 3.0), 1.5);
     }

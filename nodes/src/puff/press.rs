@@ -29,7 +29,7 @@ impl Wall {
         Self { towards: to - from, at: at.clamp(NEAREST, 1.0 - NEAREST) }
     }
     /// The wall's data, for keys.
-    pub(super) fn told(&self) -> (Vec3, f32) {
+    pub(super) fn key_parts(&self) -> (Vec3, f32) {
         (self.towards, self.at)
     }
 }

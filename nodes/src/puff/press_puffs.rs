@@ -130,7 +130,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         for c in 0..tufts[i].len() {
             let Some((id, ..)) = which(&tufts[i], c) else { continue };
             if last.replace(id) != Some(id) {
-                for (towards, at) in walls.get(&id).into_iter().flatten().map(Wall::told) {
+                for (towards, at) in walls.get(&id).into_iter().flatten().map(Wall::key_parts) {
                     key = key.vec3(towards).float(at);
                 }
             }

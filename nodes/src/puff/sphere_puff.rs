@@ -12,7 +12,7 @@
 //! clearance. Not promised: that without `flatten`, a sphere low enough to dip into the head keeps its tips outside (a
 //! warning counts them).
 
-use super::outline::Outline;
+use super::outline::PuffOutline;
 use super::press::{self, Wall};
 use super::tie::Tie;
 use crate::data::attributes::{
@@ -206,7 +206,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         // Drawn outlines and neighbouring puffs are read as well.
         let key =
             [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
-        let key = puff.walls.iter().map(Wall::told).fold(key, |key, (v, at)| key.vec3(v).float(at));
+        let key =
+            puff.walls.iter().map(Wall::key_parts).fold(key, |key, (v, at)| key.vec3(v).float(at));
         key.int((i % pieces) as u64).finish()
     };
     let name = if inputs.fill == Fill::Count { "count" } else { "hairs" };
@@ -261,7 +262,7 @@ struct Puff<'a> {
     tie_width: f32,
     /// One head unit, cm.
     unit: f32,
-    outline: Outline<'a>,
+    outline: PuffOutline<'a>,
     /// Planes between it and its neighbours.
     walls: Vec<Wall>,
     /// By row and column, from the sphere's centre. Unit.
@@ -316,7 +317,7 @@ impl<'a> Puff<'a> {
             tie_height: tie.height,
             tie_width,
             unit,
-            outline: Outline::Sphere,
+            outline: PuffOutline::Sphere,
             walls: vec![],
             directions: vec![],
         };
@@ -332,28 +333,35 @@ impl<'a> Puff<'a> {
     }
 
     /// The requested outline; a mesh also sets the centre.
-    fn outlined(&mut self) -> Outline<'a> {
+    fn outlined(&mut self) -> PuffOutline<'a> {
         let inputs = self.inputs;
         match inputs.shape {
-            Shape::Sphere => Outline::Sphere,
-            Shape::Ellipsoid => Outline::Ellipsoid(inputs.stretch.abs()),
+            Shape::Sphere => PuffOutline::Sphere,
+            Shape::Ellipsoid => PuffOutline::Ellipsoid(inputs.stretch.abs()),
             Shape::Mesh => match &inputs.mesh {
                 Some(mesh) => {
                     let (low, high) = mesh.surface().bounds();
                     self.centre = 0.5 * (low + high);
-                    Outline::Mesh(mesh.surface(), self.centre, [self.right, self.axis, self.ahead])
+                    PuffOutline::Mesh(
+                        mesh.surface(),
+                        self.centre,
+                        [self.right, self.axis, self.ahead],
+                    )
                 }
-                None => Outline::Sphere,
+                None => PuffOutline::Sphere,
             },
             Shape::Drawn => {
                 let (centre, axis) = (self.centre, self.axis);
                 let radii = |lines: &Option<Curves>, aside: Vec3| match lines {
-                    Some(lines) => Outline::drawn(lines, self.radius, |p| {
+                    Some(lines) => PuffOutline::drawn(lines, self.radius, |p| {
                         Vec2::new((p - centre).dot(aside), (p - centre).dot(axis))
                     }),
-                    None => Outline::drawn(&Curves::default(), self.radius, |_| Vec2::ZERO),
+                    None => PuffOutline::drawn(&Curves::default(), self.radius, |_| Vec2::ZERO),
                 };
-                Outline::Drawn(radii(&inputs.front, self.right), radii(&inputs.side, self.ahead))
+                PuffOutline::Drawn(
+                    radii(&inputs.front, self.right),
+                    radii(&inputs.side, self.ahead),
+                )
             }
         }
     }
@@ -638,7 +646,7 @@ impl Bundle {
         tuft.set(FIBRE, Domain::Curve, self.fibres);
         tuft.set(PUFF, Domain::Curve, vec![puff.puff]);
         tuft.set(PUFF_CENTRE, Domain::Curve, vec![puff.centre]);
-        let is_ball = matches!(puff.outline, Outline::Sphere) && puff.walls.is_empty();
+        let is_ball = matches!(puff.outline, PuffOutline::Sphere) && puff.walls.is_empty();
         let one = |all: f32| {
             let is_one = |radius: &f32| (radius - all).abs() <= 1e-5 * all;
             (is_ball && self.radii.iter().all(is_one)).then(|| vec![all])

@@ -109,8 +109,8 @@ impl<'a> Detour<'a> {
         None
     }
 
-    /// Leads a path around what is not open; returns whether it had to. Its points are then evenly spaced.
-    pub(crate) fn lead(&self, way: &mut [Vec3], towards: Towards) -> bool {
+    /// Takes a path around what is not open; returns whether it had to. Its points are then evenly spaced.
+    pub(crate) fn reroute(&self, way: &mut [Vec3], towards: Towards) -> bool {
         let Some(last) = way.len().checked_sub(1).filter(|last| *last > 1) else { return false };
         let mut fine: Vec<Vec3> = Vec::with_capacity(last * FINE + 1);
         for w in way.windows(2) {
@@ -219,7 +219,7 @@ mod tests {
             let (from, to) = (from * mirror, Vec3::new(5.5, -3.0, -8.0) * mirror);
             let straight: Vec<Vec3> = (0..9).map(|k| from.lerp(to, k as f32 / 8.0)).collect();
             let mut way = straight.clone();
-            assert!(detour.lead(&mut way, Towards::Top));
+            assert!(detour.reroute(&mut way, Towards::Top));
             assert_eq!((way[0], way[8]), (straight[0], straight[8]));
             let flat: Vec<Vec2> = way.iter().map(|p| scalp.chart().flat(*p)).collect();
             for q in &flat[1..8] {
@@ -231,7 +231,7 @@ mod tests {
             // On the bare crown nothing is in the way.
             let mut over: Vec<Vec3> =
                 (0..9).map(|k| Vec3::new(0.4 * k as f32 * side, 9.0, k as f32 - 4.0)).collect();
-            assert!(!detour.lead(&mut over, Towards::Top));
+            assert!(!detour.reroute(&mut over, Towards::Top));
         }
     }
 }

@@ -4,9 +4,9 @@
 //! encloses the smaller of its two sides, unless a name's point is on the other. Strokes inside another stroke are
 //! holes.
 
-use crate::data::drawn::Drawn;
-use crate::data::laid::{LEAST_POINTS, Laid, place};
-use crate::data::outline::{Net, Outline};
+use crate::data::drawn::DrawnRegion;
+use crate::data::laid::{ClosedStroke, LEAST_POINTS, place};
+use crate::data::outline::{ConnectedSurface, Outline};
 use crate::data::scalp::{HeadSpace, REGION};
 use crate::data::sections::named_points;
 use crate::data::strokes::Strokes;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 const MOST_NAMES: usize = 256;
 
 /// Strokes and names, as given by the head node.
-pub(super) struct Wish<'a> {
+pub(super) struct DrawnRegionParams<'a> {
     pub(super) strokes: &'a Strokes,
     /// Names, each with a point in head units, as text.
     pub(super) names: &'a str,
@@ -33,10 +33,10 @@ pub(super) struct Wish<'a> {
 /// The region where hair grows first, then the named ones.
 pub(super) fn regions(
     cx: &EvalCx,
-    net: &Net,
+    net: &ConnectedSurface,
     space: &HeadSpace,
-    wish: Wish,
-) -> Result<Vec<(String, Drawn)>, NodeError> {
+    wish: DrawnRegionParams,
+) -> Result<Vec<(String, DrawnRegion)>, NodeError> {
     let surface = net.surface();
     let mut outlines: Vec<Outline> = vec![];
     for (number, stroke) in (1..).zip(&wish.strokes.0) {
@@ -46,7 +46,7 @@ pub(super) fn regions(
             cx.warn(format!("stroke {number} has {} points and encloses nothing", points.len()));
             continue;
         }
-        let laid = Laid::new(net, space, &points, 0.5 * wish.softness);
+        let laid = ClosedStroke::new(net, space, &points, 0.5 * wish.softness);
         laid.faults.iter().for_each(|fault| cx.warn(format!("stroke {number} {fault}")));
         outlines.push(laid.outline);
     }
@@ -85,7 +85,7 @@ pub(super) fn regions(
         let lines =
             (0..outlines.len()).filter(|i| chosen(*i) || about[*i].iter().any(|k| chosen(*k)));
         let lines = lines.map(|i| (outlines[i].clone(), is_hole(i)));
-        Drawn::new(net, lines.collect(), wish.softness, may.clone())
+        DrawnRegion::new(net, lines.collect(), wish.softness, may.clone())
     };
     let mut out = vec![(REGION.to_owned(), drawn(&|_| true))];
     for (name, lines) in named {
@@ -100,7 +100,7 @@ pub(super) fn regions(
 /// The lines that each name refers to. A name whose point is in no line inverts the nearest.
 fn names(
     cx: &EvalCx,
-    net: &Net,
+    net: &ConnectedSurface,
     space: &HeadSpace,
     outlines: &mut [Outline],
     is_hole: &dyn Fn(usize) -> bool,

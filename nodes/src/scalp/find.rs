@@ -10,7 +10,7 @@
 use super::axes::Up;
 use super::face::{self, By, FACE, Face};
 use super::fit::{self, Fit, Patches};
-use super::sketch::Sketch;
+use super::sketch::MeshSamples;
 use crate::define::NodeError;
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
@@ -55,7 +55,7 @@ const SAME_FACE: f32 = 0.985;
 
 /// The result of a search for the head.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct FoundHead {
     /// The cranium; `None` if no sphere fits.
     pub(crate) fit: Option<Fit>,
     /// The face; `None` if nothing resembles one.
@@ -66,7 +66,7 @@ pub(crate) struct Found {
     pub(crate) others: Vec<u32>,
 }
 
-impl Found {
+impl FoundHead {
     /// Whether it has a whole cranium, and a face in its mirror plane.
     pub(crate) fn is_sure(&self) -> bool {
         self.likeness() >= FACE
@@ -116,7 +116,7 @@ pub(crate) struct Search<'a> {
     points: &'a [Vec3],
     triangles: &'a [[u32; 3]],
     pieces: &'a Pieces,
-    sketch: Sketch,
+    sketch: MeshSamples,
     spent: usize,
 }
 
@@ -149,7 +149,7 @@ impl Tried {
 impl<'a> Search<'a> {
     /// Searches a mesh with `points` in the file's axes.
     pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], pieces: &'a Pieces) -> Self {
-        let sketch = Sketch::of(points, triangles, pieces);
+        let sketch = MeshSamples::of(points, triangles, pieces);
         Self { points, triangles, pieces, sketch, spent: 0 }
     }
 
@@ -220,7 +220,7 @@ impl<'a> Search<'a> {
         tried: &Tried,
         which: Which,
         check: &impl Fn() -> Result<(), NodeError>,
-    ) -> Result<Found, NodeError> {
+    ) -> Result<FoundHead, NodeError> {
         check()?;
         let mut spent = 0;
         let (points, triangles) = self.mesh(tried, which);
@@ -229,7 +229,7 @@ impl<'a> Search<'a> {
         let face = is_head.and_then(|fit| face::face(&points, &triangles, &fit));
         drop((points, triangles));
         self.spent += spent + COST_OF_A_FACE;
-        Ok(Found { fit, face, ..Found::default() })
+        Ok(FoundHead { fit, face, ..FoundHead::default() })
     }
 
     /// The best of these candidates; `None` if none is a head. A candidate that is far more likely than the later ones
@@ -240,8 +240,8 @@ impl<'a> Search<'a> {
         seeming: &[Seeming],
         more_than: f32,
         check: &impl Fn() -> Result<(), NodeError>,
-    ) -> Result<Option<(Which, Found)>, NodeError> {
-        let mut best: Option<(Which, Found)> = None;
+    ) -> Result<Option<(Which, FoundHead)>, NodeError> {
+        let mut best: Option<(Which, FoundHead)> = None;
         for (k, Seeming { which, likeness: seems, .. }) in seeming.iter().enumerate() {
             let before = best.as_ref().map_or(more_than, |(_, best)| best.likeness());
             if (k > 0 && self.spent > MOST_SPENT) || before >= seems + DOUBT {
@@ -264,15 +264,15 @@ impl<'a> Search<'a> {
         tried: &Tried,
         likely: bool,
         check: &impl Fn() -> Result<(), NodeError>,
-    ) -> Result<Found, NodeError> {
+    ) -> Result<FoundHead, NodeError> {
         let seems = tried.seeming.iter().any(|seeming| seeming.which == Which::Whole);
         let whole = match likely || (seems && self.spent <= MOST_SPENT) {
             true => self.one(tried, Which::Whole, check)?,
-            false => Found::default(),
+            false => FoundHead::default(),
         };
         let large = self.pieces.large();
         if self.pieces.count() <= 1 {
-            return Ok(Found { piece: whole.is_sure().then_some(0), ..whole });
+            return Ok(FoundHead { piece: whole.is_sure().then_some(0), ..whole });
         }
         let pieces = tried.seeming.iter().filter(|seeming| seeming.which != Which::Whole);
         let pieces: Vec<Seeming> = pieces.copied().collect();
@@ -284,7 +284,7 @@ impl<'a> Search<'a> {
                 Which::Only(other) => Some(other),
                 _ => None,
             });
-            return Ok(Found { piece: Some(piece), others: others.collect(), ..found });
+            return Ok(FoundHead { piece: Some(piece), others: others.collect(), ..found });
         }
         // No piece alone is a head, as when face and skull are separate: one piece may be in the way of the others.
         let mut best = whole;

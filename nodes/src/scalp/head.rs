@@ -6,13 +6,13 @@
 
 use super::axes::{Forward, Up};
 use super::face::{By, FACE};
-use super::find::{self, Found, Pieces, Search};
+use super::find::{self, FoundHead, Pieces, Search};
 use super::fit::{self, Fit};
 use super::parts::{self, Parts};
 use super::{bust, drawn, facing, hollow, landmarks, region};
 use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
-use crate::data::outline::Net;
+use crate::data::outline::ConnectedSurface;
 use crate::data::rough::{Rough, SCRAPS, WIDE};
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, HeadSpace, REGION, Scalp};
 use crate::data::strokes::Strokes;
@@ -164,7 +164,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     cx.check()?;
     let (up, found) = match inputs.fit {
         FitBy::Cranium => find_head(cx, &inputs, &points, &triangles, &pieces)?,
-        FitBy::None => (inputs.up, Found::default()),
+        FitBy::None => (inputs.up, FoundHead::default()),
     };
     points.iter_mut().for_each(|p| *p = up.turned(*p));
     let fit = found.fit;
@@ -246,7 +246,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let own = own_region(&masks).map(Vec::as_slice);
         guessed = landmarks::guessed(&surface, &frame, own, &ears);
     }
-    let landmarks = landmarks::known(cx, &surface, &frame, guessed, &inputs.landmarks);
+    let landmarks = landmarks::resolve(cx, &surface, &frame, guessed, &inputs.landmarks);
     let space = HeadSpace::new(frame, landmarks::carry(cx, &inputs.home, &landmarks));
     let mut grows = grows(cx, &inputs, (&surface, &frame), fit.is_some().then_some(&ears), &masks)?;
     if let Some(wall) = masks.get(INNER_WALL) {
@@ -254,13 +254,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let (mut drawn, mut links) = (vec![], None);
     if inputs.region == Region::Hairline {
-        let wish = drawn::Wish {
+        let wish = drawn::DrawnRegionParams {
             strokes: &inputs.hairline,
             names: &inputs.names,
             softness: inputs.edge * frame.unit(),
             may: grows,
         };
-        let net = Net::new(&surface);
+        let net = ConnectedSurface::new(&surface);
         drawn = drawn::regions(cx, &net, &space, wish)?;
         links = Some(net.links());
         grows = drawn[0].1.values().to_vec();
@@ -314,10 +314,10 @@ fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
 }
 
 /// Reports additional heads.
-fn tell_others(cx: &EvalCx, found: &Found, pieces: &Pieces, parts: &Parts) {
+fn tell_others(cx: &EvalCx, found: &FoundHead, pieces: &Pieces, parts: &Parts) {
     let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
     let told = |is: &dyn Fn(u32) -> bool| {
-        parts.told_of(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
+        parts.listed_mostly_in(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
     };
     let (this, others) = (told(&|of| of == piece), told(&|of| found.others.contains(&of)));
     let many = if found.others.len() == 1 { "another head" } else { "other heads" };
@@ -341,7 +341,7 @@ fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: 
     };
     turned.iter_mut().for_each(|turned| *turned ^= inside_out);
     let (count, all) = (turned.iter().filter(|turned| **turned).count(), turned.len());
-    let of = match parts.told_of(&turned) {
+    let of = match parts.listed_mostly_in(&turned) {
         names if names.is_empty() => String::new(),
         names => format!(", those of {names}"),
     };
@@ -360,7 +360,7 @@ fn leave_out(
 ) -> Result<Option<Vec<u32>>, NodeError> {
     let left_out = parts.leave_out(&inputs.leave_out);
     if !left_out.unknown.is_empty() {
-        let (unknown, told) = (parts::told(&left_out.unknown), parts.told());
+        let (unknown, told) = (parts::listed(&left_out.unknown), parts.listed());
         cx.warn(match told.is_empty() {
             true => format!("leave_out: {unknown} matches nothing: the mesh has no parts"),
             false => format!("leave_out: {unknown} matches nothing; the mesh has the parts {told}"),
@@ -374,7 +374,7 @@ fn leave_out(
         return Err(NodeError::BadValue {
             input: "leave_out",
             value: format!("{:?}", short(&inputs.leave_out)),
-            reason: format!("leaves nothing of the mesh; its parts are {}", parts.told()),
+            reason: format!("leaves nothing of the mesh; its parts are {}", parts.listed()),
         });
     }
     cx.remark(format!("left out: {count} of {} triangles", mesh.triangles.len()));
@@ -394,7 +394,7 @@ fn find_head(
     points: &[Vec3],
     triangles: &[[u32; 3]],
     pieces: &Pieces,
-) -> Result<(Up, Found), NodeError> {
+) -> Result<(Up, FoundHead), NodeError> {
     let mut search = Search::new(points, triangles, pieces);
     let check = || cx.check();
     let tried = search.try_up(inputs.up, &check)?;
@@ -409,10 +409,10 @@ fn find_head(
     let mut promising =
         others.map(|other| search.try_up(other, &check)).collect::<Result<Vec<_>, _>>()?;
     promising.sort_by(|a, b| b.promises().total_cmp(&a.promises()));
-    let (mut best, mut up) = (None::<Found>, inputs.up);
+    let (mut best, mut up) = (None::<FoundHead>, inputs.up);
     for tried in promising.iter().filter(|tried| tried.promises() > 0.0).take(MOST_AXES) {
         let found = search.head(tried, false, &check)?;
-        let before = best.as_ref().map_or(FACE, Found::likeness);
+        let before = best.as_ref().map_or(FACE, FoundHead::likeness);
         if found.is_sure() && found.is_bare() && found.likeness() > before {
             (best, up) = (Some(found), tried.up());
         }
@@ -444,13 +444,13 @@ fn find_head(
          coordinates. If it is an animal or a thing, set fit to none; if it is a person, set up, or name in leave_out what \
          stands on the head"
     ));
-    Ok((inputs.up, Found::default()))
+    Ok((inputs.up, FoundHead::default()))
 }
 
 /// Reports if something on the crown may have disturbed the sphere's fit.
 fn doubt(cx: &EvalCx, fit: Option<&Fit>, parts: &Parts) {
     let Some(fit) = fit.filter(|fit| !fit.is_bare()) else { return };
-    let told = parts.told();
+    let told = parts.listed();
     let parts = match told.is_empty() {
         true => "the mesh has no parts that could be left out".to_owned(),
         false => format!("leave it out (leave_out; the parts are {told})"),
@@ -599,7 +599,7 @@ const SNAP_FARTHEST_DEGREES: f32 = 20.0;
 const INNER_WALL: &str = "inner_wall";
 
 /// Direction of the face: level and unit, Y up.
-fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, NodeError> {
+fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &FoundHead) -> Result<Vec3, NodeError> {
     let Some(axis) = inputs.forward.axis() else { return Ok(looks(cx, up, found)) };
     let axis = up.turned(axis);
     if axis.y != 0.0 {
@@ -613,7 +613,7 @@ fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &Found) -> Result<Vec3, 
 }
 
 /// Direction of the detected face.
-fn looks(cx: &EvalCx, up: Up, found: &Found) -> Vec3 {
+fn looks(cx: &EvalCx, up: Up, found: &FoundHead) -> Vec3 {
     let axes = [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::NEG_X];
     let first = Forward::name_of(Vec3::Z, up);
     let Some(face) = found.face else {

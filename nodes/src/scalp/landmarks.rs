@@ -8,7 +8,7 @@
 //! not found is left out.
 
 use super::region;
-use crate::data::carry::{Carry, Told};
+use crate::data::carry::{Carry, MapReport};
 use crate::data::landmarks::{Landmark, Landmarks};
 use crate::data::scalp::HeadFrame;
 use crate::eval::EvalCx;
@@ -50,7 +50,7 @@ const RECESS: f32 = 0.6;
 const MISSES: f32 = 0.5;
 
 /// The landmarks of a head: those `stated` as text, projected onto the skin, and `guessed` ones for the others.
-pub(super) fn known(
+pub(super) fn resolve(
     cx: &EvalCx,
     surface: &Surface,
     frame: &HeadFrame,
@@ -99,7 +99,7 @@ pub(super) fn carry(cx: &EvalCx, home: &str, here: &Landmarks) -> Option<Carry> 
     if let Some(missing) = home.missing() {
         cx.warn(format!("home: {missing} not given, and the map goes without"));
     }
-    let (carry, Told { met, left_out, missed }) = Carry::between(&home, here);
+    let (carry, MapReport { met, left_out, missed }) = Carry::between(&home, here);
     if !left_out.is_empty() {
         let which = names(&mut left_out.into_iter());
         cx.warn(format!("home: {which} left out: on the spot of another landmark"));

@@ -6,8 +6,8 @@
 //! and other heads; the amount of hair that reads the mask does not change it.
 
 use crate::data::field::Field;
-use crate::data::laid::Laid;
-use crate::data::painted::{Edges, Even, Painted};
+use crate::data::laid::ClosedStroke;
+use crate::data::painted::{Edges, GridMeans, Painted};
 use crate::data::scalp::Scalp;
 use crate::data::strokes::Strokes;
 use crate::define::{FieldInput, NodeError, node};
@@ -62,10 +62,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         return Ok(Outputs { mask: Field::Constant(x).into() });
     }
     let edges = Edges { softness: inputs.softness, line: inputs.edge };
-    let known = |key: Key, make: &dyn Fn() -> Result<Even, NodeError>| {
-        cx.fold::<Even, ()>((key, make), &[], |_, ()| make(), Even::bytes)
+    let known = |key: Key, make: &dyn Fn() -> Result<GridMeans, NodeError>| {
+        cx.fold::<GridMeans, ()>((key, make), &[], |_, ()| make(), GridMeans::bytes)
     };
-    let laid = |key: Key, make: &dyn Fn() -> Laid| {
+    let laid = |key: Key, make: &dyn Fn() -> ClosedStroke| {
         let made = || {
             let laid = make();
             let bytes = laid.bytes();

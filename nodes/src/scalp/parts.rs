@@ -50,7 +50,7 @@ struct Column {
 }
 
 /// What to leave out.
-pub(crate) struct LeftOut {
+pub(crate) struct LeftOutParts {
     /// For each triangle, whether it is left out.
     pub(crate) gone: Vec<bool>,
     /// Names and patterns that match nothing.
@@ -145,7 +145,7 @@ impl Parts {
     }
 
     /// What the comma-separated names and patterns of `text` leave out.
-    pub(crate) fn leave_out(&mut self, text: &str) -> LeftOut {
+    pub(crate) fn leave_out(&mut self, text: &str) -> LeftOutParts {
         let mut unknown = vec![];
         for pattern in text.split(',').map(str::trim).filter(|pattern| !pattern.is_empty()) {
             let matches = self.names.iter().map(|name| is_match(pattern, name));
@@ -166,7 +166,7 @@ impl Parts {
         for column in &mut self.columns {
             keep(&mut column.of, &gone);
         }
-        LeftOut { gone, unknown }
+        LeftOutParts { gone, unknown }
     }
 
     /// Parts that may be hair: those that sound like it, and those that stand over the crown. `over` has one bit for
@@ -221,7 +221,7 @@ impl Parts {
         let proposed: Vec<&str> = numbers.iter().map(|name| self.names[*name].as_str()).collect();
         let told = |over: bool| {
             let some = || numbers.iter().copied().filter(|name| is_over[*name] == over);
-            (self.told_names(some()), some().count())
+            (self.listed_names(some()), some().count())
         };
         (!proposed.is_empty()).then(|| Proposal {
             over: told(true),
@@ -253,14 +253,14 @@ impl Parts {
     }
 
     /// All names, for messages.
-    pub(crate) fn told(&self) -> String {
-        self.told_names((0..self.names.len()).filter(|i| self.is_worth_telling(*i)))
+    pub(crate) fn listed(&self) -> String {
+        self.listed_names((0..self.names.len()).filter(|i| self.is_worth_telling(*i)))
     }
 
     /// Some names, followed by pieces, which are identified by size.
-    fn told_names(&self, some: impl Iterator<Item = usize>) -> String {
+    fn listed_names(&self, some: impl Iterator<Item = usize>) -> String {
         let (names, pieces): (Vec<usize>, Vec<usize>) = some.partition(|i| *i < self.first_piece);
-        let all = |of: &[usize]| told(&of.iter().map(|i| &self.names[*i]).collect::<Vec<_>>());
+        let all = |of: &[usize]| listed(&of.iter().map(|i| &self.names[*i]).collect::<Vec<_>>());
         match (names.is_empty(), pieces.is_empty()) {
             (_, true) => all(&names),
             (true, _) => all(&pieces),
@@ -269,7 +269,7 @@ impl Parts {
     }
 
     /// For messages: the names of which more than half of the triangles are in `some`.
-    pub(crate) fn told_of(&self, some: &[bool]) -> String {
+    pub(crate) fn listed_mostly_in(&self, some: &[bool]) -> String {
         let mut counts = vec![[0usize; 2]; self.names.len()];
         for column in &self.columns {
             for (name, some) in
@@ -282,7 +282,7 @@ impl Parts {
             let [others, some] = counts[*i];
             some > others && !self.is_all[*i] && self.is_worth_telling(*i)
         });
-        self.told_names(names)
+        self.listed_names(names)
     }
 
     /// Whether a name comes from the file, or is a piece without a better name.
@@ -315,7 +315,7 @@ impl Column {
 }
 
 /// The first few names, each quoted and truncated, and how many more there are.
-pub(super) fn told(names: &[impl AsRef<str>]) -> String {
+pub(super) fn listed(names: &[impl AsRef<str>]) -> String {
     let mut text = String::new();
     for (i, name) in names.iter().take(MOST_TOLD).enumerate() {
         let _ = write!(text, "{}{:?}", if i > 0 { ", " } else { "" }, short(name.as_ref()));

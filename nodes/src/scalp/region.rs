@@ -6,7 +6,7 @@
 use crate::data::scalp::HeadFrame;
 use crate::define::NodeError;
 use crate::maths::closest::Surface;
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use crate::maths::soft_edge;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
@@ -54,7 +54,7 @@ pub(crate) fn default_region(
     rims: &[Vec3],
     check: &dyn Fn() -> Result<(), NodeError>,
 ) -> Result<Vec<f32>, NodeError> {
-    let ears = Nearest::new(rims.iter().copied());
+    let ears = KdTree::new(rims.iter().copied());
     let within = WITHIN * frame.unit();
     let mut found = vec![];
     mask(surface, frame, check, |v| {

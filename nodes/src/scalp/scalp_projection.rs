@@ -14,7 +14,7 @@ use crate::data::scalp::{Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::polyline::{self, Polyline};
-use crate::maths::spline::{Place, Spline};
+use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -141,45 +141,45 @@ struct Wish<'a> {
 
 impl Wish<'_> {
     /// A field's value at a position on the old curve, interpolated between its points.
-    fn value(&self, field: &Sampler, place: Place) -> f32 {
+    fn value(&self, field: &Sampler, place: SplineParam) -> f32 {
         let first = self.tuft.offsets()[self.curve] as usize;
         let (from, to) = (place.span, place.span + 1);
         let [a, b] = [from, to].map(|k| field.at(self.curve, first + k, self.spline.u_of_cv(k)));
         a + (b - a) * place.t
     }
-    fn amount_at(&self, place: Place) -> f32 {
+    fn amount_at(&self, place: SplineParam) -> f32 {
         self.value(self.amount, place)
     }
-    fn offset_at(&self, place: Place) -> f32 {
+    fn offset_at(&self, place: SplineParam) -> f32 {
         self.value(self.offset, place)
     }
 
-    fn kept(&self) -> (Vec<Vec3>, Vec<Place>) {
+    fn kept(&self) -> (Vec<Vec3>, Vec<SplineParam>) {
         let points = self.tuft.curve(self.curve).to_vec();
         let last = points.len() - 1;
         let place = |k: usize| match k {
-            k if k == last => Place { span: last - 1, t: 1.0 },
-            k => Place { span: k, t: 0.0 },
+            k if k == last => SplineParam { span: last - 1, t: 1.0 },
+            k => SplineParam { span: k, t: 0.0 },
         };
         let places = (0..points.len()).map(place).collect();
         (points, places)
     }
 
-    fn root(&self) -> (Vec<Vec3>, Vec<Place>) {
+    fn root(&self) -> (Vec<Vec3>, Vec<SplineParam>) {
         let (mut points, places) = self.kept();
         let to = laid(self.scalp, points[0], self.offset_at(places[0])).0;
         points[0] = points[0].lerp(to, self.amount_at(places[0]));
         (points, places)
     }
 
-    fn whole(&self, inputs: &Inputs) -> (Vec<Vec3>, Vec<Place>) {
+    fn whole(&self, inputs: &Inputs) -> (Vec<Vec3>, Vec<SplineParam>) {
         let (old, old_places) = self.kept();
         if old_places.iter().all(|place| self.amount_at(*place) == 0.0) {
             return (old, old_places);
         }
         let length = self.spline.length();
         let n = ((length / (FINE * self.unit)).ceil() as usize).clamp(16, polyline::MOST) + 1;
-        let places: Vec<Place> =
+        let places: Vec<SplineParam> =
             (0..n).map(|k| self.spline.locate(k as f32 / (n - 1) as f32)).collect();
         let here: Vec<Vec3> = places.iter().map(|place| self.spline.point(*place)).collect();
         let mut on_scalp: Vec<Vec3> = here.iter().map(|p| laid(self.scalp, *p, 0.0).0).collect();
@@ -222,9 +222,14 @@ impl Wish<'_> {
     }
 
     /// `count` points evenly spaced along `line`, whose points correspond to `places` of the old curve.
-    fn cut(&self, line: &Polyline, places: &[Place], count: usize) -> (Vec<Vec3>, Vec<Place>) {
+    fn cut(
+        &self,
+        line: &Polyline,
+        places: &[SplineParam],
+        count: usize,
+    ) -> (Vec<Vec3>, Vec<SplineParam>) {
         let step = line.length() / (count - 1) as f32;
-        let at: Vec<Place> =
+        let at: Vec<SplineParam> =
             (0..count).map(|k| self.between(line, places, k as f32 * step)).collect();
         let mut points = line.evenly(count);
         for (p, place) in points.iter_mut().zip(&at) {
@@ -237,9 +242,9 @@ impl Wish<'_> {
         (points, at)
     }
 
-    fn between(&self, line: &Polyline, places: &[Place], s: f32) -> Place {
+    fn between(&self, line: &Polyline, places: &[SplineParam], s: f32) -> SplineParam {
         let (k, t) = line.place(s);
-        let u = |place: Place| {
+        let u = |place: SplineParam| {
             let [a, b] = [place.span, place.span + 1].map(|k| self.spline.u_of_cv(k));
             a + (b - a) * place.t
         };
@@ -248,11 +253,11 @@ impl Wish<'_> {
     }
 
     /// The largest distance of `spline` from its requested position, in steps of a fifth of a span.
-    fn worst(&self, spline: &Spline, line: &Polyline, places: &[Place]) -> f32 {
+    fn worst(&self, spline: &Spline, line: &Polyline, places: &[SplineParam]) -> f32 {
         let mut worst = 0.0f32;
         for span in 0..spline.span_count() {
             for part in 1..5 {
-                let place = Place { span, t: part as f32 / 5.0 };
+                let place = SplineParam { span, t: part as f32 / 5.0 };
                 let p = spline.point(place);
                 let u0 = spline.u_of_cv(span);
                 let u = u0 + (spline.u_of_cv(span + 1) - u0) * place.t;

@@ -17,7 +17,7 @@ const MOST: f64 = 32768.0;
 const FEWEST: f64 = 3072.0;
 
 /// The samples of a mesh.
-pub(crate) struct Sketch {
+pub(crate) struct MeshSamples {
     /// Samples of each large piece, and of all others together.
     groups: Vec<Group>,
 }
@@ -29,7 +29,7 @@ struct Group {
     ends: [Vec3; 6],
 }
 
-impl Sketch {
+impl MeshSamples {
     /// Samples a mesh.
     pub(crate) fn of(points: &[Vec3], triangles: &[[u32; 3]], pieces: &Pieces) -> Self {
         let n_large = pieces.large().len();

@@ -11,7 +11,7 @@ use glam::Vec3;
 
 /// Domain of stored values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Held {
+pub(super) enum ValueDomain {
     /// One value for all curves.
     All,
     /// One value per curve.
@@ -20,7 +20,7 @@ pub(super) enum Held {
     Point,
 }
 
-impl Held {
+impl ValueDomain {
     /// The smallest domain: `level` if values are constant along each curve, `alike` if all curves have the same.
     pub(super) fn fewest(level: bool, alike: bool) -> Self {
         match (level, alike) {
@@ -37,7 +37,7 @@ pub(super) fn lay<T: Item, C>(
     piece: &mut Piece,
     tuft: &Tuft,
     declared: Declared<T>,
-    held: Held,
+    held: ValueDomain,
     own: impl Fn(usize) -> C,
     value: impl Fn(&C, usize, usize, f32) -> T,
 ) -> Result<Tuft, NodeError> {
@@ -46,22 +46,22 @@ pub(super) fn lay<T: Item, C>(
         return Ok(out.build());
     }
     let mut values = Vec::with_capacity(match held {
-        Held::All => 1,
-        Held::Curve => tuft.len(),
-        Held::Point => tuft.points().len(),
+        ValueDomain::All => 1,
+        ValueDomain::Curve => tuft.len(),
+        ValueDomain::Point => tuft.points().len(),
     });
-    for i in 0..if held == Held::All { 1 } else { tuft.len() } {
+    for i in 0..if held == ValueDomain::All { 1 } else { tuft.len() } {
         piece.tick()?;
         let own = own(i);
         let first = tuft.offsets()[i] as usize;
-        if held == Held::Point {
+        if held == ValueDomain::Point {
             // Number of values of all earlier curves and of this one so far: the index of the point.
             fractions(tuft.curve(i), |u| values.push(value(&own, i, values.len(), u)));
         } else {
             values.push(value(&own, i, first, 0.0));
         }
     }
-    let domain = if held == Held::Point { Domain::Point } else { Domain::Curve };
+    let domain = if held == ValueDomain::Point { Domain::Point } else { Domain::Curve };
     out.set(declared, domain, values);
     Ok(out.build())
 }

@@ -5,9 +5,9 @@
 //! from root to tip and from hair to hair without turning muddy or pale. Equal ids give equal hairs, whatever else is
 //! there, and raising `grey` only adds grey hairs.
 
-use super::along::{Held, lay};
+use super::along::{ValueDomain, lay};
 use crate::data::attributes::COLOUR;
-use crate::data::curves::{Curves, View};
+use crate::data::curves::{AttributeView, Curves};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::define::{Colour, FieldInput, NodeError, choice, node};
@@ -113,7 +113,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
             colour_of(sigma)
         };
-        let even = !matches!(old, View::Point(_));
+        let even = !matches!(old, AttributeView::Point(_));
         let level = (if keeps { even } else { level })
             && (!dyed || laid.is_of_curves())
             && (covers || amount.is_of_curves() && even);
@@ -123,7 +123,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             && covers
             && !keeps;
         let value = |own: &f32, i: usize, point: usize, u: f32| colour(i, point, u, *own);
-        Ok([lay(piece, tuft, COLOUR, Held::fewest(level, alike), own, value)?])
+        Ok([lay(piece, tuft, COLOUR, ValueDomain::fewest(level, alike), own, value)?])
     })?;
     Ok(Outputs { curves })
 }

@@ -3,9 +3,9 @@
 //! Guarantees: nothing else changes and nothing else is copied; a constant colour is stored once. Colours are linear
 //! Rec.709.
 
-use super::along::{Held, lay};
+use super::along::{ValueDomain, lay};
 use crate::data::attributes::COLOUR;
-use crate::data::curves::{Curves, View};
+use crate::data::curves::{AttributeView, Curves};
 use crate::data::ramp::Ramp;
 use crate::data::scalp::Scalp;
 use crate::define::{Colour, FieldInput, NodeError, node};
@@ -65,8 +65,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             true => colour,
             false => old.at(i, point).lerp(colour, amount.at(i, point, u)),
         };
-        let level = level && amount.is_of_curves() && (covers || !matches!(old, View::Point(_)));
-        let held = Held::fewest(level, uniform && covers);
+        let level =
+            level && amount.is_of_curves() && (covers || !matches!(old, AttributeView::Point(_)));
+        let held = ValueDomain::fewest(level, uniform && covers);
         let value =
             |vary: &f32, i: usize, point: usize, u: f32| mixed(i, point, u, along(u) * *vary);
         Ok([lay(piece, tuft, COLOUR, held, vary, value)?])

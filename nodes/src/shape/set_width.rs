@@ -2,7 +2,7 @@
 //!
 //! Guarantees: nothing else changes and nothing else is copied; a constant width is stored once.
 
-use super::along::{Held, lay};
+use super::along::{ValueDomain, lay};
 use crate::data::attributes::WIDTH;
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
@@ -52,7 +52,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let alike = inputs.variation == 0.0 && inputs.scale.constant().is_some();
         let value =
             |vary: &f32, i: usize, point: usize, u: f32| along(u) * scale.at(i, point, u) * *vary;
-        Ok([lay(piece, tuft, WIDTH, Held::fewest(level, alike), vary, value)?])
+        Ok([lay(piece, tuft, WIDTH, ValueDomain::fewest(level, alike), vary, value)?])
     })?;
     Ok(Outputs { curves })
 }

@@ -16,7 +16,7 @@ use crate::define::{NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
-use crate::puff::outline::Outline;
+use crate::puff::outline::PuffOutline;
 use crate::strand::shorten::Shortened;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -89,11 +89,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let mut centre = inputs.scalp.place(inputs.centre);
     let size = inputs.size.abs().max(Vec3::splat(0.01 * cx.unit()));
     let outline = match (inputs.shape, &inputs.mesh) {
-        (Shape::Ellipsoid, _) => Outline::Ellipsoid(size),
+        (Shape::Ellipsoid, _) => PuffOutline::Ellipsoid(size),
         (Shape::Mesh, Some(mesh)) => {
             let (low, high) = mesh.surface().bounds();
             centre = 0.5 * (low + high);
-            Outline::Mesh(mesh.surface(), centre, axes)
+            PuffOutline::Mesh(mesh.surface(), centre, axes)
         }
         (Shape::Mesh, None) => {
             return Err(NodeError::failed(
@@ -103,12 +103,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         (Shape::Drawn, _) => {
             let radii = |lines: &Option<Curves>, aside: Vec3, half: f32| match lines {
-                Some(lines) => Outline::drawn(lines, half, |p| {
+                Some(lines) => PuffOutline::drawn(lines, half, |p| {
                     Vec2::new((p - centre).dot(aside), (p - centre).dot(axes[1]))
                 }),
-                None => Outline::drawn(&Curves::default(), half, |_| Vec2::ZERO),
+                None => PuffOutline::drawn(&Curves::default(), half, |_| Vec2::ZERO),
             };
-            Outline::Drawn(
+            PuffOutline::Drawn(
                 radii(&inputs.front, axes[0], size.x),
                 radii(&inputs.side, axes[2], size.z),
             )

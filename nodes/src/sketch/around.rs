@@ -8,13 +8,13 @@ use super::hand::off_line;
 use super::seen::Seen;
 use crate::data::attributes::RADIUS;
 use crate::data::curves::Curves;
-use crate::data::gestures::{Layer, View};
+use crate::data::gestures::{GestureView, Layer};
 use crate::data::scalp::Scalp;
 use crate::maths::closest::Hit;
 use glam::{Vec2, Vec3};
 
 /// Curves on a head, in a view.
-pub struct Ground<'a> {
+pub struct ViewedCurves<'a> {
     seen: Seen,
     scalp: &'a Scalp,
     curves: &'a Curves,
@@ -25,9 +25,9 @@ pub struct Ground<'a> {
 /// A thin curve counts as this wide in the picture for crossing tests, pixels.
 const THIN: f32 = 3.0;
 
-impl<'a> Ground<'a> {
+impl<'a> ViewedCurves<'a> {
     /// Curves on a head in a view. `rho` is the reach of the pen in pixels.
-    pub fn new(view: &View, scalp: &'a Scalp, curves: &'a Curves, rho: f32) -> Self {
+    pub fn new(view: &GestureView, scalp: &'a Scalp, curves: &'a Curves, rho: f32) -> Self {
         Self { seen: Seen::new(view, scalp.frame()), scalp, curves, rho }
     }
 
@@ -141,7 +141,7 @@ mod tests {
         let ball = shared_ball();
         let view = gesture(1, Tool::Comb).view;
         let check = |curves: &Curves, seen: bool| {
-            let ground = Ground::new(&view, &ball, curves, 30.0);
+            let ground = ViewedCurves::new(&view, &ball, curves, 30.0);
             let at = |x: f32, y: f32, z: f32| ground.seen().pixel(Vec3::new(x, y, z)).unwrap();
             let z = 12.0;
             let tip = at(0.0, -3.0, z);

@@ -3,7 +3,7 @@
 //! Guarantees of all: those of [`super::relax`]; CVs farther from the brush than its size do not move because of it,
 //! but CVs beyond moved ones follow, because lengths stay.
 
-use super::hand::{Hand, Sketch};
+use super::hand::{GestureContext, SketchState};
 use super::lock::Lock;
 use super::relax::Rest;
 use super::seen::steps;
@@ -16,7 +16,7 @@ const LIFT: f32 = 0.12;
 /// Fraction of the way to smooth or straight per step there.
 const SHARE: f32 = 0.35;
 
-pub(super) fn brush(hand: &Hand, sketch: &mut Sketch) {
+pub(super) fn brush(hand: &GestureContext, sketch: &mut SketchState) {
     let size = hand.reach();
     let line = steps(&hand.line(), 0.25 * size);
     let taken = hand.takes(
@@ -37,7 +37,7 @@ fn falloff(off: f32, size: f32) -> f32 {
     smoothstep(1.0 - off / size)
 }
 
-fn brushed(hand: &Hand, line: &[Vec2], size: f32, lock: &mut Lock) -> bool {
+fn brushed(hand: &GestureContext, line: &[Vec2], size: f32, lock: &mut Lock) -> bool {
     let held = lock.held();
     let rest = Rest::of(&lock.points, held, &hand.skin);
     let was = lock.points.clone();
@@ -63,7 +63,7 @@ fn brushed(hand: &Hand, line: &[Vec2], size: f32, lock: &mut Lock) -> bool {
 }
 
 /// One position of the brush.
-fn step(hand: &Hand, at: Vec2, size: f32, held: usize, lock: &mut Lock) {
+fn step(hand: &GestureContext, at: Vec2, size: f32, held: usize, lock: &mut Lock) {
     let was = lock.points.clone();
     let last = was.len() - 1;
     let (from, to) = (was[held], was[last]);

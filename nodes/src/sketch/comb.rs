@@ -4,7 +4,7 @@
 //! parallel to the plane of the picture. Beyond the paper: on request, combed hair also turns toward the depth of the
 //! curves around it, so that it looks right from the side.
 
-use super::hand::{Hand, Sketch};
+use super::hand::{GestureContext, SketchState};
 use super::lock::Lock;
 use super::relax::Rest;
 use super::seen::steps;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Displacement of a CV at the start of a segment, as a fraction of rho.
 const PUSH: f32 = 0.5;
 
-pub(super) fn comb(hand: &Hand, sketch: &mut Sketch) {
+pub(super) fn comb(hand: &GestureContext, sketch: &mut SketchState) {
     let rho = hand.set.rho;
     let line = steps(&hand.line(), rho);
     let taken = hand.takes(
@@ -31,7 +31,12 @@ pub(super) fn comb(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
-fn combed(hand: &Hand, line: &[Vec2], lock: &mut Lock, around: Option<&[Arc<Lock>]>) -> bool {
+fn combed(
+    hand: &GestureContext,
+    line: &[Vec2],
+    lock: &mut Lock,
+    around: Option<&[Arc<Lock>]>,
+) -> bool {
     let (rho, held) = (hand.set.rho, lock.held());
     let rest = Rest::of(&lock.points, held, &hand.skin);
     // Displacement of each CV, in pushes.
@@ -65,7 +70,7 @@ fn combed(hand: &Hand, line: &[Vec2], lock: &mut Lock, around: Option<&[Arc<Lock
 }
 
 /// Turns combed segments toward the depth of the curves around them.
-fn turn_with(hand: &Hand, lock: &mut Lock, around: &[Arc<Lock>], weights: &[f32]) {
+fn turn_with(hand: &GestureContext, lock: &mut Lock, around: &[Arc<Lock>], weights: &[f32]) {
     let ahead = hand.seen.ahead();
     for (k, weight) in weights.iter().enumerate().skip(lock.held() + 1) {
         let (from, share) = (lock.points[k - 1], weight.min(1.0) * hand.set.follow);
@@ -83,7 +88,13 @@ fn turn_with(hand: &Hand, lock: &mut Lock, around: &[Arc<Lock>], weights: &[f32]
 
 /// Slope into the picture of curves near a position that run in a similar direction: depth by length, weighted by
 /// proximity; `None` if there are none.
-fn slope_about(hand: &Hand, own: u64, around: &[Arc<Lock>], at: Vec3, way: Vec3) -> Option<f32> {
+fn slope_about(
+    hand: &GestureContext,
+    own: u64,
+    around: &[Arc<Lock>],
+    at: Vec3,
+    way: Vec3,
+) -> Option<f32> {
     let ahead = hand.seen.ahead();
     let flat = |v: Vec3| v - ahead * v.dot(ahead);
     let (mut sum, mut weights) = (0.0, 0.0);

@@ -5,7 +5,7 @@
 //! curve stores the plane of the stroke, and Cluster to strands ends each strand in it, so that an angled cut stays
 //! angled.
 
-use super::hand::{Hand, Sketch, off_line};
+use super::hand::{GestureContext, SketchState, off_line};
 use super::lock::{Lock, way};
 use crate::data::gestures::Layer;
 use crate::data::route::makers::lift_exactly;
@@ -16,7 +16,7 @@ const BIAS: f32 = 0.26;
 /// A curve that a cut would make shorter than this (cm) is removed whole.
 const SHORTEST: f32 = 0.1;
 
-pub(super) fn cut(hand: &Hand, sketch: &mut Sketch) {
+pub(super) fn cut(hand: &GestureContext, sketch: &mut SketchState) {
     let line = hand.line();
     let stroke = [line[0], line[line.len() - 1]];
     let nothing = match hand.gesture.layer {
@@ -52,7 +52,7 @@ pub(super) fn cut(hand: &Hand, sketch: &mut Sketch) {
 }
 
 /// Curves that the stroke crosses.
-fn crossed(hand: &Hand, sketch: &Sketch, stroke: [Vec2; 2]) -> Vec<usize> {
+fn crossed(hand: &GestureContext, sketch: &SketchState, stroke: [Vec2; 2]) -> Vec<usize> {
     let locks = sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve());
     if hand.gesture.layer == Layer::Scalp {
         let at_root = |lock: &Lock| {
@@ -84,7 +84,7 @@ fn crossed(hand: &Hand, sketch: &Sketch, stroke: [Vec2; 2]) -> Vec<usize> {
 
 /// The first crossing of a curve, starting at its root: the segment and the fraction along it, whether or not it is
 /// beyond the last pin.
-fn crossing(hand: &Hand, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(usize, f32)> {
+fn crossing(hand: &GestureContext, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(usize, f32)> {
     let drawn = hand.drawn(lock)?;
     drawn.windows(2).enumerate().find_map(|(k, pair)| {
         let (p, q) = (pair[0].0, pair[1].0);
@@ -105,7 +105,7 @@ fn crossing(hand: &Hand, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(usize, f32)>
 }
 
 /// Ends a curve in its segment `k`, at the fraction `t`, keeping the spacing of its CVs. False if nothing is left.
-fn shorter(hand: &Hand, lock: &mut Lock, k: usize, t: f32) -> bool {
+fn shorter(hand: &GestureContext, lock: &mut Lock, k: usize, t: f32) -> bool {
     let mut kept: Vec<Vec3> = lock.points[..=k].to_vec();
     let mut places: Vec<f32> = (0..=k).map(|k| k as f32).collect();
     // Between two CVs outside the head, a curve may pass through it.

@@ -1,6 +1,6 @@
 //! Density: each full circle makes clusters a twentieth denser (clockwise) or thinner (the paper's 4.4).
 
-use super::hand::{Hand, Sketch, off_line};
+use super::hand::{GestureContext, SketchState, off_line};
 use super::stroke_shape::full_circles;
 use crate::data::gestures::Layer;
 use glam::Vec2;
@@ -8,7 +8,7 @@ use glam::Vec2;
 /// Change of density per circle.
 pub(super) const STEP: f32 = 0.05;
 
-pub(super) fn density(hand: &Hand, sketch: &mut Sketch) {
+pub(super) fn density(hand: &GestureContext, sketch: &mut SketchState) {
     let line = hand.line();
     let turns = full_circles(&line, hand.set.rho);
     if turns == 0 {
@@ -29,7 +29,7 @@ pub(super) fn density(hand: &Hand, sketch: &mut Sketch) {
     }
 }
 
-fn within(hand: &Hand, sketch: &Sketch, line: &[Vec2]) -> Vec<usize> {
+fn within(hand: &GestureContext, sketch: &SketchState, line: &[Vec2]) -> Vec<usize> {
     let middle = line.iter().sum::<Vec2>() / line.len() as f32;
     let locks = sketch.locks.iter().enumerate().filter(|(_, lock)| lock.is_curve());
     match hand.gesture.layer {

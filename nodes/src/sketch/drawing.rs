@@ -7,7 +7,7 @@ use glam::Vec2;
 
 /// Manner of drawing.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hand {
+pub(crate) struct DrawingStyle {
     /// Pixels between samples: its speed.
     pub spacing: f32,
     /// Amplitude of its tremor, pixels, at 9 Hz.
@@ -26,7 +26,7 @@ pub(crate) fn turn(turns: f32) -> Vec2 {
     Vec2::new(cos, sin)
 }
 
-impl Hand {
+impl DrawingStyle {
     /// A hand without noise or tremor.
     pub(crate) fn still(spacing: f32) -> Self {
         Self { spacing, tremor: 0.0, noise: 0.0, seed: 0 }

@@ -1,15 +1,15 @@
 //! Frizz: the width of a scribble beside a cluster sets how much its strands wander (the paper's 4.5).
 
-use super::hand::{Hand, Sketch};
+use super::hand::{GestureContext, SketchState};
 use super::stroke_shape::scribble;
 
-pub(super) fn frizz(hand: &Hand, sketch: &mut Sketch) {
+pub(super) fn frizz(hand: &GestureContext, sketch: &mut SketchState) {
     let Some(scribble) = scribble(&hand.line(), hand.set.rho) else {
         return sketch.say("it is no scribble: go to and fro across the hair");
     };
     let taken = hand.takes(
         sketch,
-        Hand::under_start_or_middle,
+        GestureContext::under_start_or_middle,
         "it is drawn over no curve: draw it on hair",
     );
     for i in taken {

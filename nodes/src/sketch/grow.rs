@@ -8,11 +8,11 @@
 //! root. Once drawn (with a stored root), it replaces the curves it names and no others, so that none is lost on a head
 //! where roots are closer together.
 
-use super::hand::{Hand, Sketch};
+use super::hand::{GestureContext, SketchState};
 use super::lock::{Implanted, Lock};
 use super::relax::{CLEARANCE, Rest};
 use super::seen::steps;
-use super::silhouette::Outline;
+use super::silhouette::MedialLine;
 use crate::data::gestures::RootFrame;
 use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
@@ -30,19 +30,24 @@ const NOTHING: f32 = 1e-3;
 /// Rounds of smoothing turns wider than 60 degrees.
 const ROUNDS: usize = 4;
 
-pub(super) fn implant(hand: &Hand, sketch: &mut Sketch) {
+pub(super) fn implant(hand: &GestureContext, sketch: &mut SketchState) {
     plant(hand, sketch, &hand.line(), |_| vec![hand.set.radius]);
 }
 
-pub(super) fn silhouette(hand: &Hand, sketch: &mut Sketch) {
-    match Outline::of(&hand.line(), hand.set.rho) {
+pub(super) fn silhouette(hand: &GestureContext, sketch: &mut SketchState) {
+    match MedialLine::of(&hand.line(), hand.set.rho) {
         Ok(drawn) => plant(hand, sketch, &drawn.line, |cvs| drawn.radii(&hand.seen, cvs)),
         Err(fault) => sketch.say(fault),
     }
 }
 
 /// A new cluster along a line in the picture, with the radii (cm) of its CVs.
-fn plant(hand: &Hand, sketch: &mut Sketch, line: &[Vec2], radii: impl FnOnce(&[Vec3]) -> Vec<f32>) {
+fn plant(
+    hand: &GestureContext,
+    sketch: &mut SketchState,
+    line: &[Vec2],
+    radii: impl FnOnce(&[Vec3]) -> Vec<f32>,
+) {
     let (root, drift) = match hand.gesture.root {
         Some(drawn) => {
             let drawn = hand.scalp.place(drawn);
@@ -93,8 +98,8 @@ fn plant(hand: &Hand, sketch: &mut Sketch, line: &[Vec2], radii: impl FnOnce(&[V
     sketch.locks.push(std::sync::Arc::new(Lock::implanted(id, points, &asked, hand.scalp)));
 }
 
-pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
-    let near_end = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
+pub(super) fn lengthen(hand: &GestureContext, sketch: &mut SketchState) {
+    let near_end = |hand: &GestureContext, sketch: &SketchState| -> Vec<usize> {
         let off = |i: usize| {
             let lock = &sketch.locks[i];
             let tip = lock.is_curve().then(|| lock.tip())?;
@@ -134,8 +139,8 @@ pub(super) fn lengthen(hand: &Hand, sketch: &mut Sketch) {
 
 /// The stroke in space from `start`, as if it had been drawn from there.
 pub(super) fn stroke(
-    hand: &Hand,
-    sketch: &Sketch,
+    hand: &GestureContext,
+    sketch: &SketchState,
     line: &[Vec2],
     start: Vec3,
     own: u64,
@@ -160,7 +165,13 @@ pub(super) fn stroke(
 
 /// Mean slope into the picture of curves near a position that run in a similar direction, weighted by proximity; `None`
 /// if there are none.
-fn slope(hand: &Hand, sketch: &Sketch, at: Vec3, way: Vec2, own: u64) -> Option<f32> {
+fn slope(
+    hand: &GestureContext,
+    sketch: &SketchState,
+    at: Vec3,
+    way: Vec2,
+    own: u64,
+) -> Option<f32> {
     let seen = &hand.seen;
     let (mut sum, mut weights) = (0.0, 0.0);
     for lock in sketch.locks.iter().filter(|lock| lock.id != own && lock.is_curve()) {
@@ -185,7 +196,7 @@ fn slope(hand: &Hand, sketch: &Sketch, at: Vec3, way: Vec2, own: u64) -> Option<
 }
 
 /// The stroke without sharp turns, in segments of equal length.
-pub(super) fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
+pub(super) fn even(hand: &GestureContext, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
     for _ in 0..ROUNDS {
         for k in 1..points.len().saturating_sub(1) {
             let (a, b) = (points[k] - points[k - 1], points[k + 1] - points[k]);
@@ -204,7 +215,7 @@ pub(super) fn even(hand: &Hand, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3>
 }
 
 /// Moves all CVs beyond `held` out of the head, keeping segment lengths.
-pub(super) fn clear(hand: &Hand, points: &mut [Vec3], held: usize) {
+pub(super) fn clear(hand: &GestureContext, points: &mut [Vec3], held: usize) {
     if points[held + 1..].iter().any(|p| hand.skin.distance(*p) < CLEARANCE - NOTHING) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
         Rest::new(lengths, held).lengthen(points, &hand.skin);
@@ -249,7 +260,7 @@ pub(super) fn length(points: &[Vec3]) -> f32 {
 }
 
 /// Mean density of clusters near a root, weighted by proximity; the node's density if there are none.
-fn density_about(hand: &Hand, sketch: &Sketch, root: &Root) -> f32 {
+fn density_about(hand: &GestureContext, sketch: &SketchState, root: &Root) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for lock in sketch.locks.iter().filter(|lock| lock.is_curve()) {
         let weight = 1.0 - lock.root().distance(root.point) / hand.set.tau;

@@ -7,7 +7,7 @@
 //! moved CV ends inside the head; an untouched curve is the input tuft itself. A gesture without effect, or whose
 //! curves no longer exist, is reported. Live and replayed gestures are the same call.
 
-use super::hand::{Hand, Settings, Sketch};
+use super::hand::{GestureContext, Settings, SketchState};
 use super::lock::Lock;
 use super::seen::Seen;
 use super::{brush, comb, cut, density, frizz, grow, pin, point, redraw, scatter, twist};
@@ -90,10 +90,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let skin = cx.skin(scalp);
     let items: Vec<(Key, &Gesture)> =
         inputs.gestures.0.iter().map(|one| (one.key(), one)).collect();
-    let first = || Ok(Sketch::of(Lock::all(&curves)));
-    let step = |sketch: &Sketch, gesture: &&Gesture| {
+    let first = || Ok(SketchState::of(Lock::all(&curves)));
+    let step = |sketch: &SketchState, gesture: &&Gesture| {
         let seen = Seen::new(&gesture.view, scalp.frame());
-        Ok(after(&Hand { gesture, seen, scalp, skin, set }, sketch))
+        Ok(after(&GestureContext { gesture, seen, scalp, skin, set }, sketch))
     };
     // (The node's other settings are in its own key.)
     let sketch = cx.fold((curves.key(), first), &items, step, |sketch| sketch.bytes)?;
@@ -105,7 +105,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 }
 
 /// The curves after one gesture.
-fn after(hand: &Hand, before: &Sketch) -> Sketch {
+fn after(hand: &GestureContext, before: &SketchState) -> SketchState {
     let mut sketch = before.clone();
     (sketch.now.id, sketch.now.tool) = (hand.gesture.id, hand.gesture.tool.word());
     match hand.gesture.tool {

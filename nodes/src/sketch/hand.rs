@@ -32,7 +32,7 @@ pub(super) struct Settings {
 }
 
 /// A gesture, the head and the view it was drawn in.
-pub(super) struct Hand<'a> {
+pub(super) struct GestureContext<'a> {
     pub gesture: &'a Gesture,
     pub seen: Seen,
     pub scalp: &'a Scalp,
@@ -42,7 +42,7 @@ pub(super) struct Hand<'a> {
 
 /// Curves as gestures leave them, with messages.
 #[derive(Clone, Default)]
-pub(super) struct Sketch {
+pub(super) struct SketchState {
     pub locks: Vec<Arc<Lock>>,
     /// Results of all gestures so far, in order.
     pub replayed: Vec<Arc<Replayed>>,
@@ -52,7 +52,7 @@ pub(super) struct Sketch {
     pub bytes: usize,
 }
 
-impl Sketch {
+impl SketchState {
     /// Before any gesture.
     pub(super) fn of(locks: Vec<Arc<Lock>>) -> Self {
         let bytes = locks.iter().map(|lock| lock.bytes() + 8).sum::<usize>() + size_of::<Self>();
@@ -99,7 +99,7 @@ impl Sketch {
 /// Distance from the pen, in pixels, within which a thin curve counts as under it.
 const TOUCH: f32 = 6.0;
 
-impl Hand<'_> {
+impl GestureContext<'_> {
     /// The pen's path, pixels.
     pub(super) fn line(&self) -> Vec<Vec2> {
         self.gesture.samples.iter().map(|sample| sample.at).collect()
@@ -114,7 +114,7 @@ impl Hand<'_> {
     }
 
     /// Indices of the curves that the gesture names; `None` if it names none. Missing ones are reported.
-    fn named(&self, sketch: &mut Sketch) -> Option<Vec<usize>> {
+    fn named(&self, sketch: &mut SketchState) -> Option<Vec<usize>> {
         if self.gesture.curves.is_empty() {
             return None;
         }
@@ -153,8 +153,8 @@ impl Hand<'_> {
     /// Indices of the curves that the gesture acts on: the named ones, or else those that `under` finds.
     pub(super) fn takes(
         &self,
-        sketch: &mut Sketch,
-        under: impl FnOnce(&Self, &Sketch) -> Vec<usize>,
+        sketch: &mut SketchState,
+        under: impl FnOnce(&Self, &SketchState) -> Vec<usize>,
         nothing: &str,
     ) -> Vec<usize> {
         let named = self.named(sketch);
@@ -168,7 +168,7 @@ impl Hand<'_> {
 
     /// Curves that the line of sight through a pixel hits before the head, with their distance from the eye (cm),
     /// nearest first.
-    pub(super) fn met(&self, sketch: &Sketch, pixel: Vec2) -> Vec<(usize, f32)> {
+    pub(super) fn met(&self, sketch: &SketchState, pixel: Vec2) -> Vec<(usize, f32)> {
         let (origin, direction) = self.seen.ray(pixel);
         let head = self.seen.head(self.scalp, pixel).map_or(f32::MAX, |hit| hit.distance);
         let mut met: Vec<(usize, f32)> = vec![];
@@ -192,7 +192,7 @@ impl Hand<'_> {
     }
 
     /// Curves under the pen's start, by layer.
-    pub(super) fn under_start(&self, sketch: &Sketch) -> Vec<usize> {
+    pub(super) fn under_start(&self, sketch: &SketchState) -> Vec<usize> {
         let met = self.met(sketch, self.start());
         let most = if self.gesture.layer == Layer::Nearest { 1 } else { usize::MAX };
         met.into_iter().take(most).map(|(i, _)| i).collect()
@@ -200,7 +200,7 @@ impl Hand<'_> {
 
     /// Curves under the pen's start or, if it touched down beside hair and then moved back and forth across it, under
     /// the stroke's centre.
-    pub(super) fn under_start_or_middle(&self, sketch: &Sketch) -> Vec<usize> {
+    pub(super) fn under_start_or_middle(&self, sketch: &SketchState) -> Vec<usize> {
         let found = self.under_start(sketch);
         if !found.is_empty() {
             return found;
@@ -213,7 +213,7 @@ impl Hand<'_> {
 
     /// Curves that a stroke passes within `reach` (pixels) on this side of the head; only the one nearest to the pen's
     /// start if the layer asks for one.
-    pub(super) fn passed(&self, sketch: &Sketch, line: &[Vec2], reach: f32) -> Vec<usize> {
+    pub(super) fn passed(&self, sketch: &SketchState, line: &[Vec2], reach: f32) -> Vec<usize> {
         let near = |i: usize| {
             let lock = &sketch.locks[i];
             let close =

@@ -59,10 +59,11 @@ impl Lock {
         let each = 0..points.len();
         let (pinned, roll, radii) = (base.view(PINNED), base.view(ROLL), base.view(RADIUS));
         let number = |x: f32, other: f32| if x.is_finite() { x } else { other };
-        let first = |view: crate::data::curves::View<f32>, other: f32| match points.is_empty() {
-            true => other,
-            false => number(view.at(0, 0), other),
-        };
+        let first =
+            |view: crate::data::curves::AttributeView<f32>, other: f32| match points.is_empty() {
+                true => other,
+                false => number(view.at(0, 0), other),
+            };
         Self {
             id: if points.is_empty() { 0 } else { base.id(0) },
             pinned: each.clone().map(|k| pinned.at(0, k) != 0).collect(),

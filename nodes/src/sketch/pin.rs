@@ -2,10 +2,10 @@
 //!
 //! Whatever lies between two pins, or between the root and the first pin, stays in place under combing.
 
-use super::hand::{Hand, Sketch};
+use super::hand::{GestureContext, SketchState};
 
-pub(super) fn pin(hand: &Hand, sketch: &mut Sketch) {
-    let taken = hand.takes(sketch, Hand::under_start, "it is on no curve: tap on hair");
+pub(super) fn pin(hand: &GestureContext, sketch: &mut SketchState) {
+    let taken = hand.takes(sketch, GestureContext::under_start, "it is on no curve: tap on hair");
     for i in taken {
         let mut lock = (*sketch.locks[i]).clone();
         if let Some((k, _)) = hand.nearest_cv(&lock) {

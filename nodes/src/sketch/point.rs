@@ -3,15 +3,15 @@
 //! Guarantees: roots, pins and everything before a pin stay; the CV keeps its depth in the picture, but ends above the
 //! skin. Lengths are not kept: the CV is where the pen put it.
 
-use super::hand::{Hand, Sketch};
+use super::hand::{GestureContext, SketchState};
 use super::relax::CLEARANCE;
 use crate::data::route::makers::lift_exactly;
 
 /// A pen movement shorter than this (pixels) moves nothing.
 const STILL: f32 = 0.5;
 
-pub(super) fn point(hand: &Hand, sketch: &mut Sketch) {
-    let nearest = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
+pub(super) fn point(hand: &GestureContext, sketch: &mut SketchState) {
+    let nearest = |hand: &GestureContext, sketch: &SketchState| -> Vec<usize> {
         let seen = |i: usize| {
             let lock = &sketch.locks[i];
             let (k, off) = hand.nearest_cv(lock).filter(|(_, off)| *off <= hand.set.rho)?;

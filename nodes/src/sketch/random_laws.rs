@@ -7,7 +7,7 @@ use super::seen::Seen;
 use crate::data::attributes::{PINNED, RADIUS};
 use crate::data::curves::{Curves, Tuft};
 use crate::data::gestures::tests::gesture;
-use crate::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use crate::data::gestures::{Gesture, GestureView, Gestures, Layer, PenSample, Tool};
 use crate::data::scalp::Scalp;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
@@ -56,7 +56,7 @@ fn any(seed: u64, ids: &[u64]) -> Gesture {
     let names = dice.below(0, 14, 4) == 0;
     Gesture {
         layer: Layer::ALL[dice.below(0, 10, 3) as usize].0,
-        view: View {
+        view: GestureView {
             eye: Vec3::new(sin * 60.0, dice.signed(0, 11) * 40.0, cos * 60.0),
             parallel: seed.is_multiple_of(5),
             half_height: if seed.is_multiple_of(5) { 15.0 } else { 0.25 },

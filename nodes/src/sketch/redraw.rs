@@ -6,7 +6,7 @@
 //! head where the stroke begins.
 
 use super::grow::{clear, even, length, onward, stroke, turned};
-use super::hand::{Hand, Sketch, off_line};
+use super::hand::{GestureContext, SketchState, off_line};
 use super::lock::Lock;
 use super::relax::{CLEARANCE, Rest};
 use super::seen::Seen;
@@ -20,8 +20,8 @@ const AT_CV: f32 = 0.1;
 /// The shortest stroke, in segments.
 const SHORTEST: f32 = 0.25;
 
-pub(super) fn redraw(hand: &Hand, sketch: &mut Sketch) {
-    let nearest = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
+pub(super) fn redraw(hand: &GestureContext, sketch: &mut SketchState) {
+    let nearest = |hand: &GestureContext, sketch: &SketchState| -> Vec<usize> {
         let seen = |i: usize| {
             let lock = &sketch.locks[i];
             let (place, off) = place(&hand.seen, &lock.points, hand.start())?;
@@ -60,12 +60,17 @@ pub(super) fn redraw(hand: &Hand, sketch: &mut Sketch) {
 const SHORT: &str = "it has no length: draw on from the curve";
 
 /// Whether a line is long enough to be part of a curve: a tap with a trembling hand removes nothing.
-fn is_long(hand: &Hand, line: &[Vec3]) -> bool {
+fn is_long(hand: &GestureContext, line: &[Vec3]) -> bool {
     length(line) >= SHORTEST * hand.set.segment
 }
 
 /// The new CVs of a curve from a stroke; `None` if it has no length.
-fn redrawn(hand: &Hand, sketch: &mut Sketch, lock: &Lock, begin: &Begin) -> Option<Vec<Vec3>> {
+fn redrawn(
+    hand: &GestureContext,
+    sketch: &mut SketchState,
+    lock: &Lock,
+    begin: &Begin,
+) -> Option<Vec<Vec3>> {
     let (mut points, first) = (begin.kept.clone(), begin.kept.len() - 1);
     let from = points[first];
     match hand.gesture.path.is_empty() {

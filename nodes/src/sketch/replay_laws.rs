@@ -7,7 +7,7 @@ use super::random_laws::out_of;
 use super::seen::Seen;
 use crate::data::attributes::DRIFT;
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::gestures::{Gesture, Gestures, Layer, Replayed, Tool, View};
+use crate::data::gestures::{Gesture, GestureView, Gestures, Layer, Replayed, Tool};
 use crate::data::scalp::Scalp;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
@@ -51,7 +51,7 @@ impl Pen {
     }
 
     /// Draws a stroke seen from `view`; returns whether it had an effect. A stroke without effect is not stored.
-    fn draw(&mut self, tool: Tool, layer: Layer, view: View, stroke: &[Vec2]) -> bool {
+    fn draw(&mut self, tool: Tool, layer: Layer, view: GestureView, stroke: &[Vec2]) -> bool {
         let id = 1 + self.kept.len() as u64;
         let gesture = Gesture { id, view, ..drawn(tool, layer, stroke) };
         let all = [&self.kept[..], std::slice::from_ref(&gesture)].concat();
@@ -70,14 +70,14 @@ impl Pen {
 }
 
 /// A view of a point of a head from 60 head units outside it, straight on except for `aside` (as a fraction of that).
-fn looking_at(scalp: &Scalp, p: Vec3, out: Vec3, aside: Vec3) -> View {
+fn looking_at(scalp: &Scalp, p: Vec3, out: Vec3, aside: Vec3) -> GestureView {
     let frame = scalp.frame();
     let (target, out) = (frame.head_from_point(p), frame.head_from_vector(out));
     let eye = target + (out + aside).normalize() * 60.0;
     let ahead = (target - eye).normalize();
     // Above the crown, the face is at the bottom of the picture.
     let up = if ahead.y.abs() > 0.9 { Vec3::NEG_Z } else { Vec3::Y };
-    View { eye, target, up, half_height: 0.25, parallel: false, pixels: 1000.0 }
+    GestureView { eye, target, up, half_height: 0.25, parallel: false, pixels: 1000.0 }
 }
 
 fn built_in() -> Arc<Scalp> {

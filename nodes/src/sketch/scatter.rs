@@ -11,7 +11,7 @@
 //! positions, whatever else is there. Not promised: that rows are packed as densely as possible.
 
 use super::grow::clear;
-use super::hand::{Hand, Sketch, off_line};
+use super::hand::{GestureContext, SketchState, off_line};
 use super::lock::Lock;
 use super::seen::{Seen, steps};
 use crate::data::gestures::{Gesture, RootFrame};
@@ -34,8 +34,8 @@ const TRIES: usize = 24;
 /// Positions closer than this (pixels) are the same.
 const LEAST: f32 = 2.0;
 
-pub(super) fn scatter(hand: &Hand, sketch: &mut Sketch) {
-    let under = |hand: &Hand, sketch: &Sketch| -> Vec<usize> {
+pub(super) fn scatter(hand: &GestureContext, sketch: &mut SketchState) {
+    let under = |hand: &GestureContext, sketch: &SketchState| -> Vec<usize> {
         let found = nearest(&hand.seen, hand.scalp, &sketch.locks, hand.start());
         let touched = found.filter(|(i, off)| {
             let lock = &sketch.locks[*i];
@@ -112,7 +112,7 @@ fn nearest(seen: &Seen, scalp: &Scalp, locks: &[Arc<Lock>], at: Vec2) -> Option<
 }
 
 /// Stored roots of the gesture, on this head, each with its distance from the stored position, cm.
-fn kept(hand: &Hand) -> Vec<(Root, f32)> {
+fn kept(hand: &GestureContext) -> Vec<(Root, f32)> {
     let root = |p: &Vec3| {
         let drawn = hand.scalp.place(*p);
         let root = hand.scalp.closest_root(drawn)?;
@@ -143,7 +143,7 @@ fn settled(scalp: &Scalp, root: Root) -> Option<Root> {
 }
 
 /// Positions along the stroke, and then beside it row by row, with room for a copy.
-fn free(hand: &Hand, sketch: &Sketch, source: &Lock) -> Vec<(Root, f32)> {
+fn free(hand: &GestureContext, sketch: &SketchState, source: &Lock) -> Vec<(Root, f32)> {
     let disc = source.radius.max(0.0);
     let there = sketch.locks.iter().filter(|lock| lock.is_curve());
     let mut discs: Vec<(Vec3, f32)> =

@@ -4,7 +4,7 @@
 //! eye keeps its position in head units.
 
 use super::stroke_shape::resampled;
-use crate::data::gestures::View;
+use crate::data::gestures::GestureView;
 use crate::data::scalp::{HeadFrame, Scalp};
 use crate::maths::closest::Hit;
 use glam::{Vec2, Vec3};
@@ -29,7 +29,7 @@ const VEIL: f32 = 0.35;
 
 impl Seen {
     /// A view of a head with this frame.
-    pub fn new(view: &View, frame: &HeadFrame) -> Self {
+    pub fn new(view: &GestureView, frame: &HeadFrame) -> Self {
         let eye = frame.point_from_head(view.eye);
         let ahead = (frame.point_from_head(view.target) - eye).normalize_or(-frame.forward);
         let up = frame.vector_from_head(view.up);
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::maths::hash::Dice;
 
-    pub(crate) fn view() -> View {
+    pub(crate) fn view() -> GestureView {
         crate::data::gestures::tests::gesture(1, crate::data::gestures::Tool::Comb).view
     }
 
@@ -144,7 +144,7 @@ mod tests {
         for seed in 0..300 {
             let dice = Dice::new(seed, 0, "view");
             let place = |k: u64, size: f32| Vec3::from([0, 1, 2].map(|a| dice.signed(k, a))) * size;
-            let view = View {
+            let view = GestureView {
                 eye: place(0, 60.0) + Vec3::Z * 80.0,
                 target: place(1, 8.0),
                 parallel: seed % 3 == 0,
@@ -164,7 +164,8 @@ mod tests {
     fn one_view_shows_two_heads_alike() {
         let frames = [8.9, 17.8].map(|radius| HeadFrame { radius, ..HeadFrame::IDENTITY });
         for parallel in [false, true] {
-            let view = View { parallel, half_height: if parallel { 15.0 } else { 0.25 }, ..view() };
+            let view =
+                GestureView { parallel, half_height: if parallel { 15.0 } else { 0.25 }, ..view() };
             let [a, b] = frames.map(|frame| {
                 Seen::new(&view, &frame)
                     .pixel(frame.point_from_head(Vec3::new(3.0, 5.0, 2.0)))

@@ -23,13 +23,13 @@ const LEADS_ON: f32 = 0.5;
 const OPEN: f32 = 0.25;
 
 /// The medial line of an outline and half the width along it, pixels.
-pub(super) struct Outline {
+pub(super) struct MedialLine {
     pub line: Vec<Vec2>,
     /// For each position on the line, the distance along it in pixels, and half the width there.
     widths: Vec<(f32, f32)>,
 }
 
-impl Outline {
+impl MedialLine {
     /// The outline of a stroke under a pen that reaches `rho` pixels, or why it is invalid.
     pub(super) fn of(stroke: &[Vec2], rho: f32) -> Result<Self, &'static str> {
         let (first, last) = (stroke[0], stroke[stroke.len() - 1]);

@@ -1,19 +1,19 @@
 //! Twist: each loop of a stroke twists a cluster by 15 degrees from the CV nearest to the loop on (the paper's 4.5).
 
-use super::hand::{Hand, Sketch, off_line};
+use super::hand::{GestureContext, SketchState, off_line};
 use super::stroke_shape::{Loop, loops};
 use glam::Vec2;
 
 /// Twist per loop, degrees.
 pub(super) const TURN: f32 = 15.0;
-pub(super) fn twist(hand: &Hand, sketch: &mut Sketch) {
+pub(super) fn twist(hand: &GestureContext, sketch: &mut SketchState) {
     let loops = loops(&hand.line(), hand.set.rho);
     if loops.is_empty() {
         return sketch.say("it makes no loop: let it cross itself");
     }
     let taken = hand.takes(
         sketch,
-        Hand::under_start_or_middle,
+        GestureContext::under_start_or_middle,
         "it is drawn over no curve: draw it on hair",
     );
     let mut turned = false;

@@ -1,8 +1,8 @@
-//! Clump: hair drawn together to locks and wisps.
+//! Clump: draws hair together into locks and wisps.
 //!
-//! Guarantees: those of `data/route` and `middles.rs`; a higher share of strays only takes hairs out of clumps. Not promised: that hair
-//! of one clump, but of several tufts whose hair runs apart, comes together: each tuft is drawn to a hair of its own, all of them
-//! rooted at the clump's place.
+//! Guarantees: those of `data/route` and `middles.rs`; a higher share of strays only takes hairs out of clumps. Not promised:
+//! that hair of one clump in several tufts meets where the tufts diverge: each tuft is drawn to a hair of its own, all of them
+//! rooted at the clump's centre.
 
 use super::middles::{Given, Middles};
 use super::seeds::Seeds;
@@ -61,7 +61,7 @@ node! {
     }
 }
 
-/// Each level has so many times the clumps of the one before.
+/// Ratio of the number of clumps from one level to the next.
 const FINER: f32 = 4.0;
 
 fn only_finer(of: &dyn Fn(&str) -> Option<Set>) -> Option<&'static str> {
@@ -123,7 +123,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                     let u = hair.u(k);
                     amount.at(i, first + k, u) * inputs.along.at(u)
                 };
-                // The finest first: clumps of hair, then clumps of these.
+                // The finest level first: clumps of hair, then clumps of clumps.
                 for middles in levels.iter().rev() {
                     middles.draw((hair, i), new, drawn, inputs.twist.to_radians());
                 }
@@ -134,7 +134,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// The same curves, one a tuft: what is read of one changes with it alone.
+/// The same curves, one per tuft, so that a key changes with one curve alone.
 fn one_each(curves: &Curves) -> Curves {
     let tufts = curves.tufts().iter().flat_map(|tuft| {
         (0..tuft.len() as u32).filter(|i| !tuft.curve(*i as usize).is_empty()).map(|i| {

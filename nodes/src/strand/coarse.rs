@@ -1,10 +1,10 @@
-//! The remark of modifiers that make finer shapes than hair has points for.
+//! The remark of modifiers whose detail is finer than the spacing of CVs.
 
 use crate::data::curves::{Curves, Tuft};
 use crate::data::route::hair::Hair;
 use crate::eval::EvalCx;
 
-/// Remarks how many hairs have points farther apart than `step` (cm), which `what` is, so that what is finer does not show.
+/// Remarks how many hairs have CVs farther apart than `step` (cm), the size of `what`, so that finer detail is lost.
 pub(super) fn remark_coarse(cx: &EvalCx, curves: &Curves, step: f32, what: &str) {
     let mut hair = Hair::default();
     let coarse = |(tuft, i): &(&Tuft, usize)| hair.read(tuft.curve(*i)) && hair.spacing() > step;

@@ -1,8 +1,8 @@
-//! Frizz: short random kinks, each hair's own.
+//! Frizz: short random kinks, independent for each hair.
 //!
-//! A hair walks across itself as strands of sketched clusters do (methods.md 6): a random step every so many centimetres, within a
-//! disc. Guarantees: those of `data/route`; before lengths are kept no point goes farther aside than the amplitude says. Not promised:
-//! kinks finer than a hair has points for, which is remarked.
+//! A hair walks across itself as strands of sketched clusters do (methods.md 6): a random step at a fixed spacing, within a disc.
+//! Guarantees: those of `data/route`; before lengths are restored, no CV is displaced by more than the amplitude. Not promised:
+//! kinks finer than the spacing of CVs, which are remarked on.
 
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
@@ -10,7 +10,7 @@ use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::EvalCx;
-use crate::maths::random_walk::{smooth, wander};
+use crate::maths::random_walk::{random_walk, smooth};
 use glam::Vec2;
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ node! {
     }
 }
 
-/// The most kinks of a hair; a longer one has its last ones farther apart.
+/// Largest number of kinks per hair; on longer hair the last ones are farther apart.
 const MOST_STEPS: f32 = 4096.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -75,7 +75,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             steps.clear();
             steps.resize(spans as usize + 1, inputs.kink);
             walk.resize(steps.len() + 2, Vec2::ZERO);
-            wander(walk_dice, id, Vec2::ZERO, &steps, &mut walk);
+            random_walk(walk_dice, id, Vec2::ZERO, &steps, &mut walk);
             hair.frames(&mut frames);
             for (k, p) in new.iter_mut().enumerate().skip(1) {
                 let (knot, [a, b, c]) = smooth((hair.come(k) / step).min(spans));

@@ -1,9 +1,9 @@
-//! Length: hair cut, scaled or grown on to a length.
+//! Length: cuts, scales or extends hair.
 //!
-//! Guarantees: roots and ids stay; hair that is as long as asked keeps its bits, and a tuft of such hairs is the tuft that came in; a
-//! cut hair lies as it lay; how much shorter than others a hair is hangs from its id alone; on a scalp no new or moved point ends
-//! deeper in the skin than the hair allows, and no hair is led over a parting that did not lead over one. Lengths are right to 1e-3
-//! of themselves, but where the skin pushes.
+//! Guarantees: roots and ids stay; hair of the requested length keeps its bits, and a tuft of such hair is the tuft that came in;
+//! what is left of a cut hair stays in place; the random shortening of a hair depends on its id alone; on a scalp, no new or
+//! moved CV ends deeper in the skin than the hair allows, and no hair crosses a parting that it did not cross before. Lengths are
+//! exact to 1e-3, except where the skin pushes.
 
 use super::shorten::{Shortened, grow_on};
 use crate::data::attributes::ALLOW_DEPTH;
@@ -86,9 +86,9 @@ choice! {
     }
 }
 
-/// Hair that comes to be shorter than this, cm, is left out.
+/// Hair that would end up shorter than this, cm, is left out.
 const NOTHING: f32 = 0.01;
-/// Hair that is right to such a share of its length stays as it is.
+/// Relative error of length up to which hair is left as it is.
 const RIGHT: f32 = 1e-5;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -97,7 +97,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if let (By::Share, Way::Cut, Some(share)) = (inputs.by, inputs.way, inputs.share.constant())
         && inputs.change != Change::Shorten
     {
-        // The least that comes of it.
+        // Lower bound of the size of the result.
         let pieces = inputs.curves.point_count().saturating_sub(inputs.curves.curve_count());
         let times = f64::from(share * (1.0 - inputs.variation)).max(1.0);
         let pieces = ("pieces between points that come in", pieces as f64);
@@ -129,7 +129,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Every hair of a tuft as long (cm) as `wanted` says of its number and its length.
+/// Sets each hair of a tuft to the length (cm) that `wanted` gives for its index and its length.
 fn relength(
     tuft: &Tuft,
     wanted: impl Fn(usize, f32) -> f32,

@@ -1,55 +1,55 @@
-//! Middles of clumps: what hair is drawn to, and which hair to which.
+//! Centres of clumps: the curve that each hair is drawn to.
 //!
-//! A clump's middle is one of its own hairs, the first in its tuft, moved to the clump's place; or a curve that was given. Who
-//! belongs together hangs from each hair's root or attribute alone, and a tuft reads no other: so more hair, which makers add behind
-//! what there is, changes no clump, and an edit none in other tufts. Clumps never reach over a parting.
+//! The centre of a clump is one of its own hairs, the first in its tuft, moved to the clump's place; or a given curve. Membership
+//! depends on a hair's root or attribute alone, and a tuft reads no other: so more hair, which is added after existing hair,
+//! changes no clump, and an edit changes none in other tufts. Clumps never cross a parting.
 
 use super::seeds::Seeds;
 use crate::data::attributes::{PARENT, SCALP_NORMAL};
-use crate::data::curves::{Tuft, View};
+use crate::data::curves::{AttributeView, Tuft};
 use crate::data::route::hair::Hair;
 use crate::data::scalp::{HeadFrame, Scalp};
-use crate::maths::nearest::Nearest;
+use crate::maths::nearest::KdTree;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-/// What the hair of one clump is drawn to.
+/// The curve that the hair of one clump is drawn to.
 struct Middle {
     way: Spline,
-    /// From where the curve lies to where the clump is, cm.
+    /// Offset from the curve to the clump, cm.
     shift: Vec3,
 }
 
-/// The middles that the hair of a tuft has.
+/// The centres for the hair of a tuft.
 pub(super) struct Middles {
     all: Vec<Middle>,
-    /// The number of each curve's.
+    /// Index of the centre of each hair.
     of: Vec<Option<u32>>,
 }
 
-/// The section of the scalp that something is rooted in, which tells from others.
+/// Section of the scalp that a root lies in, which separates clumps.
 fn section(scalp: Option<&Scalp>, root: Vec3) -> Option<u64> {
     scalp?.sections()?.id_at(root)
 }
 
-/// Given curves, as hair finds the nearest of them.
+/// Given curves, searched by nearest root.
 pub(super) struct Given {
-    tree: Nearest,
+    tree: KdTree,
 }
 
-/// So many of the nearest curves are looked at for one in the section of a hair.
+/// Number of nearest curves among which one in the hair's section is searched.
 const NEAR: usize = 4;
 
 impl Given {
-    /// Curves of one tuft each.
+    /// Curves, one per tuft.
     pub(super) fn new<'a>(tufts: impl Iterator<Item = &'a Tuft>) -> Self {
         let root = |tuft: &Tuft| tuft.points().first().copied().unwrap_or(Vec3::NAN);
-        Self { tree: Nearest::new(tufts.map(root)) }
+        Self { tree: KdTree::new(tufts.map(root)) }
     }
-    /// The numbers of those that a tuft's hair may be drawn to, in order.
+    /// Indices of the curves that a tuft's hair may be drawn to, in order.
     pub(super) fn near(&self, tuft: &Tuft) -> Vec<u32> {
         let roots: Vec<Vec3> =
             (0..tuft.len()).filter_map(|i| tuft.curve(i).first().copied()).collect();
@@ -62,7 +62,7 @@ impl Given {
 }
 
 impl Middles {
-    /// The nearest of some curves (one a tuft) for each hair, in its own section.
+    /// For each hair, the nearest of these curves (one per tuft) in its own section.
     pub(super) fn given(tuft: &Tuft, curves: &[&Tuft], scalp: Option<&Scalp>) -> Self {
         let mut all = vec![];
         let mut roots = vec![];
@@ -73,7 +73,7 @@ impl Middles {
                 all.push(Middle { way, shift: Vec3::ZERO });
             }
         }
-        let tree = Nearest::new(roots.iter().map(|(root, _)| *root));
+        let tree = KdTree::new(roots.iter().map(|(root, _)| *root));
         let mut found = vec![];
         let mut nearest = |i: usize| {
             let root = *tuft.curve(i).first()?;
@@ -101,13 +101,14 @@ impl Middles {
         Some(Self { all, of })
     }
 
-    /// Hairs that have the same value of an attribute; those with none are in no clump. None where the tuft lacks it.
+    /// Clumps of hairs with the same value of an attribute; hairs without a value are in none. `None` if the tuft lacks the
+    /// attribute.
     pub(super) fn alike(tuft: &Tuft, name: &str, scalp: Option<&Scalp>) -> Option<Self> {
         let keys = keys(tuft, name)?;
         Some(Self::grouped(tuft, scalp, |i| Some((keys(i)?, None))))
     }
 
-    /// Hairs that belong to one of the seeds, moved together on its place; `frame` is what seeds are strewn in.
+    /// Clumps of hairs that belong to the same seed, moved to its place; `frame` is the space of the seeds.
     pub(super) fn strewn(
         tuft: &Tuft,
         seeds: &Seeds,
@@ -122,7 +123,7 @@ impl Middles {
         })
     }
 
-    /// Hairs of one key and one section, with the place of the key.
+    /// Clumps of hairs with the same key and section, and the place of each key.
     fn grouped(
         tuft: &Tuft,
         scalp: Option<&Scalp>,
@@ -149,8 +150,8 @@ impl Middles {
         Self { all, of }
     }
 
-    /// Draws the points `new` of a hair to its middle, as far from the root there as here: by `strength` (0 to 1) at each, turned
-    /// about it by `twist` radians where that is 1. Beyond the middle's end the hair goes on as it does.
+    /// Draws the points `new` of a hair to its centre at the same distance from the root: by `strength` (0 to 1) at each, rotated
+    /// about it by `twist` radians at full strength. Past the end of the centre, the hair keeps its own shape.
     pub(super) fn draw(
         &self,
         (hair, i): (&Hair, usize),
@@ -180,12 +181,12 @@ impl Middles {
     }
 }
 
-/// What an attribute says of each curve, as bits; nothing where it says none: the id of no curve, or a number below zero.
+/// The attribute of each curve as bits; `None` for the id 0 or a negative number.
 fn keys<'a>(tuft: &'a Tuft, name: &str) -> Option<impl Fn(usize) -> Option<u64> + 'a> {
     enum Keys<'a> {
-        Id(View<'a, u64>),
-        Whole(View<'a, i32>),
-        Number(View<'a, f32>),
+        Id(AttributeView<'a, u64>),
+        Whole(AttributeView<'a, i32>),
+        Number(AttributeView<'a, f32>),
     }
     let keys = if let Some(view) = tuft.view_named::<u64>(name) {
         Keys::Id(view)
@@ -194,7 +195,7 @@ fn keys<'a>(tuft: &'a Tuft, name: &str) -> Option<impl Fn(usize) -> Option<u64> 
     } else if let Some(view) = tuft.view_named::<f32>(name) {
         Keys::Number(view)
     } else if name == PARENT.name {
-        Keys::Id(View::Shared(PARENT.default))
+        Keys::Id(AttributeView::Shared(PARENT.default))
     } else {
         return None;
     };
@@ -213,8 +214,8 @@ fn keys<'a>(tuft: &'a Tuft, name: &str) -> Option<impl Fn(usize) -> Option<u64> 
     })
 }
 
-/// From the root of a curve to the place of its clump, along the skin: across what stands out there, or across the curve itself
-/// where nothing tells. None where that leads into another section.
+/// From the root of a curve to the place of its clump, tangent to the skin, or perpendicular to the curve where the normal is
+/// unknown. `None` where that leads into another section.
 fn shift(tuft: &Tuft, i: usize, place: Vec3, scalp: Option<&Scalp>) -> Vec3 {
     let root = tuft.curve(i)[0];
     let skin = scalp.and_then(|scalp| {
@@ -229,7 +230,7 @@ fn shift(tuft: &Tuft, i: usize, place: Vec3, scalp: Option<&Scalp>) -> Vec3 {
     if leaves || !shift.is_finite() { Vec3::ZERO } else { shift }
 }
 
-/// `v` turned about a unit axis, by Rodrigues.
+/// `v` rotated about a unit axis, by Rodrigues' formula.
 pub(super) fn turned(v: Vec3, axis: Vec3, radians: f32) -> Vec3 {
     let (sin, cos) = sin_cos(radians);
     v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))

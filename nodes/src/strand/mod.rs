@@ -1,7 +1,7 @@
-//! Strands: modifiers of hair, whatever made it. Each takes curves and gives the same curves, bent or cut.
+//! Modifiers of hair from any source. Each takes curves and gives the same curves, bent or cut.
 //!
-//! What they share: `data/route` (a hair as they read it; roots, lengths, skin and partings after a change), `seeds.rs` and `waves.rs`
-//! (places and numbers drawn in space). A node file reads inputs, calls these and sets its output.
+//! Shared code: `data/route` (reads a hair; keeps roots, lengths, skin and partings after a change), `seeds.rs` and `waves.rs`
+//! (random places and values in space). A node file reads inputs, calls these and sets its output.
 
 use crate::define::NodeDef;
 

@@ -1,7 +1,7 @@
-//! Noise: hair that waves, all of it together as wind and sleep do it, or each hair on its own.
+//! Noise: smooth waves, shared by hair that is close in space, or independent for each hair.
 //!
-//! Guarantees: those of `data/route`; before lengths are kept no point goes farther aside than the amplitude says. Not promised: waves
-//! finer than a hair has points for, which is remarked.
+//! Guarantees: those of `data/route`; before lengths are restored, no CV is displaced by more than the amplitude. Not promised:
+//! waves finer than the spacing of CVs, which are remarked on.
 
 use super::waves::Waves;
 use crate::data::curves::Curves;
@@ -69,7 +69,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         octaves: inputs.octaves as u32,
         roughness: inputs.roughness,
     };
-    // In the head's axes, so that a head that stands elsewhere has the same waves.
+    // In the head's axes, so that the waves move with the head.
     let frame = scalp.map(|scalp| *scalp.frame());
     let in_space = |p: Vec3| match &frame {
         Some(frame) => {
@@ -101,7 +101,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Moves every point across its hair: as far (cm) as `far` says of a vector of `waves`.
+/// Displaces every CV across its hair by `far` (cm) times a vector of `waves`.
 fn wave(hair: &Hair, new: &mut [Vec3], far: impl Fn(usize) -> f32, waves: impl Fn(usize) -> Vec3) {
     for (k, p) in new.iter_mut().enumerate().skip(1) {
         let far = far(k);

@@ -1,33 +1,33 @@
-//! Seeds: places strewn in space, to each of which what lies nearest belongs.
+//! Seeds: random points in space, each with the Voronoi cell around it.
 //!
-//! There is one in each cell of a lattice, anywhere within it. Guarantees: which seed a place belongs to hangs from that place
-//! alone, whatever else there is; on a smooth surface as many have a share of it as asked for, within a fifth. Not
-//! promised: that a seed lies on the surface.
+//! One seed per cell of a lattice, anywhere within it. Guarantees: the seed of a place depends on that place alone; on a smooth
+//! surface, the number of seeds whose cell it meets is as requested, within a fifth. Not promised: that a seed lies on the
+//! surface.
 
 use crate::maths::hash::Dice;
 use glam::Vec3;
 
-/// Of the seeds about a plane so many have a share of a square of it as large as a cell's side.
+/// Number of seeds whose cell meets a square of a plane, with sides of one lattice cell.
 const ON_A_PLANE: f32 = 1.4;
 
-/// Seeds all over space.
+/// Seeds throughout space.
 pub(super) struct Seeds {
     side: f32,
     dice: Dice,
-    /// Tells lists of seeds that are strewn with the same dice apart.
+    /// Distinguishes lists of seeds from the same dice.
     list: u64,
 }
 
-/// One of them.
+/// One seed.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Seed {
-    /// Number that no other seed of its list has.
+    /// Number that is unique in its list.
     pub key: u64,
     pub at: Vec3,
 }
 
 impl Seeds {
-    /// Seeds of which `density` have a share of a square centimetre of any surface.
+    /// Seeds of which `density` per cm2 have a cell that meets any given surface.
     pub(super) fn on_surface(density: f32, dice: Dice, list: u64) -> Self {
         Self { side: (ON_A_PLANE / density).sqrt(), dice, list }
     }
@@ -38,7 +38,7 @@ impl Seeds {
         let corner = Vec3::from(cell.map(|c| c as f32));
         Seed { key, at: (corner + within) * self.side }
     }
-    /// The nearest of the seeds in the cell of a place and in those about it.
+    /// The nearest seed in the cell of a place and its neighbours.
     pub(super) fn nearest(&self, p: Vec3) -> Seed {
         let cell = (p / self.side).floor().to_array().map(|x| x as i64);
         let mut best = self.seed(cell);

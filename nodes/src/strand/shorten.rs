@@ -1,7 +1,7 @@
-//! Hair cut off or grown on: the points and attributes of curves that become shorter or longer.
+//! Cutting and extending hair: CVs and attributes of curves that change length.
 //!
-//! Guarantees: what is kept of a hair lies as it lay; a cut hair ends where it was cut, keeps the distance of its points and has four
-//! at least; a hair that grows on goes on as its tip does, straighter and straighter; attributes as in `data/attribute_transfer.rs`.
+//! Guarantees: what is left of a hair stays in place; a cut hair ends at the cut, keeps its spacing of CVs and has at least four;
+//! an extension continues the bend of the tip and straightens out; attributes as in `data/attribute_transfer.rs`.
 
 use crate::data::attribute_transfer::carry_shares;
 use crate::data::curves::{Tuft, TuftBuilder};
@@ -9,20 +9,20 @@ use crate::maths::spline::Spline;
 use crate::maths::transcendental::{atan2, sin_cos};
 use glam::Vec3;
 
-/// Points on what is left of a hair, at least.
+/// Smallest number of CVs of a cut hair.
 const FEWEST: usize = 4;
-/// The most points that a hair grows on by.
+/// Largest number of CVs added to a hair.
 const MOST: f32 = 4096.0;
-/// So far (cm) beyond its tip a hair bends half as much as at its tip.
+/// Distance beyond the tip, cm, over which the bend of an extension halves.
 const STRAIGHTER: f32 = 4.0;
 
-/// A tuft whose hairs get other points, made one hair after the other.
+/// A tuft whose hairs get new CVs, built one hair at a time.
 pub(crate) struct Shortened<'a> {
     tuft: &'a Tuft,
     out: TuftBuilder,
     kept: Vec<u32>,
     shares: Vec<f32>,
-    /// For each new point: the old point before it and the fraction of the way to the next.
+    /// For each new CV: the old CV before it, and the fraction of the way to the next.
     places: Vec<(u32, f32)>,
     points: Vec<Vec3>,
 }
@@ -33,13 +33,13 @@ impl<'a> Shortened<'a> {
         Self { tuft, out, kept: vec![], shares: vec![], places: vec![], points }
     }
 
-    /// Curve `i` as it is. (It has two points at least.)
+    /// Adds curve `i` unchanged. (It has at least two CVs.)
     pub(crate) fn keep(&mut self, i: usize) {
         self.put(i, 1.0);
         self.out.push_curve(self.tuft.curve(i));
     }
 
-    /// Curve `i`, whose points lie elsewhere, with more of them beyond its tip or none; it is so many times as long.
+    /// Adds curve `i` with moved CVs, and optionally more beyond its tip; `share` is the factor of its length.
     pub(crate) fn grown(&mut self, i: usize, points: &[Vec3], share: f32) {
         let old = self.tuft.curve(i).len();
         self.put(i, share);
@@ -48,21 +48,22 @@ impl<'a> Shortened<'a> {
         self.out.push_curve(points);
     }
 
-    /// Notes that curve `i` is so many times as long, and all of its points are there.
+    /// Notes the factor of curve `i`'s length; all of its CVs are added.
     fn put(&mut self, i: usize, share: f32) {
         self.kept.push(i as u32);
         self.shares.push(share);
         self.place(i, self.tuft.curve(i).len());
     }
 
-    /// Notes that its first `n` points are there.
+    /// Notes that its first `n` CVs are added.
     fn place(&mut self, i: usize, n: usize) {
         let (first, last) = (self.tuft.offsets()[i], self.tuft.curve(i).len() - 2);
         self.places
             .extend((0..n).map(|k| (first + k.min(last) as u32, k.saturating_sub(last) as f32)));
     }
 
-    /// Curve `i`, whose spline is `spline`, up to `end` cm from the root. `made` sets a new point right, given the old one before it.
+    /// Adds curve `i`, with the spline `spline`, up to `end` cm from the root. `made` corrects a new CV, given the old one before
+    /// it.
     pub(crate) fn cut(
         &mut self,
         i: usize,
@@ -74,8 +75,8 @@ impl<'a> Shortened<'a> {
         self.kept.push(i as u32);
         self.shares.push(end / spline.length());
         self.points.clear();
-        // Where a point of the hair is kept the hair lies as it did: out of the skin. The last of them is no nearer to the cut than
-        // half the way to the next.
+        // Up to the last CV that is kept, the hair is unchanged, so it is out of the skin. That CV is at least half a segment
+        // away from the cut.
         let cut = spline.locate_length(end);
         let whole = if cut.t < 0.5 { cut.span } else { cut.span + 1 };
         if whole >= FEWEST - 1 {
@@ -101,13 +102,13 @@ impl<'a> Shortened<'a> {
     }
 }
 
-/// Adds points to those of a hair, as far apart as its own are in the mean, until it is `more` cm longer.
+/// Adds CVs to those of a hair at its mean spacing until it is `more` cm longer.
 pub(super) fn grow_on(spline: &Spline, points: &mut Vec<Vec3>, more: f32) {
     let Some(mut at) = points.last().copied() else { return };
     let (length, spacing) = (spline.length(), spline.length() / spline.span_count() as f32);
     let mut way = spline.tangent_at(1.0);
     let before = spline.tangent(spline.locate_length(length - spacing));
-    // How much it bends at its tip, radians a cm.
+    // Curvature at the tip, radians per cm.
     let axis = before.cross(way);
     let bend = atan2(axis.length(), before.dot(way)) / spacing;
     let axis = axis.normalize_or_zero();

@@ -1,7 +1,7 @@
-//! Stray: single hairs that leave the others.
+//! Stray: flyaways that leave the hair around them.
 //!
-//! Guarantees: those of `data/route`; which hairs leave hangs from their ids alone, and a higher share only adds some; before lengths
-//! are kept no point goes farther aside than the distance says.
+//! Guarantees: those of `data/route`; which hairs stray depends on their ids alone, and a higher share only adds some; before
+//! lengths are restored, no CV is displaced by more than the distance.
 
 use super::waves::Waves;
 use crate::data::attributes::SCALP_NORMAL;
@@ -49,7 +49,7 @@ node! {
     }
 }
 
-/// Length of the waves of stray hairs, cm: as long as hair bends by itself.
+/// Wavelength of stray hairs, cm: as long as hair bends by itself.
 const WAVE: f32 = 6.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -66,7 +66,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             if dice.unit(id, 0) >= share.at(i, first, 0.0) {
                 return;
             }
-            // Few go as far as they may.
+            // Few go the full distance.
             let far = 0.25 + 0.75 * dice.unit(id, 1);
             hair.frames(&mut frames);
             let (y, x) = sin_cos_turns(dice.unit(id, 2));
@@ -87,7 +87,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Away from the skin at the root of a curve: as the scalp says, or the curve itself.
+/// Direction away from the skin at the root of a curve, by the scalp or the curve itself.
 fn outward(tuft: &Tuft, i: usize, scalp: Option<&Scalp>) -> Option<Vec3> {
     let first = tuft.range(i).start;
     let skin = || {

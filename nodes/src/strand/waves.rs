@@ -1,21 +1,21 @@
-//! Waves: smooth random vectors, in space or along a hair.
+//! Smooth random vectors, in space or along a hair.
 //!
-//! Values drawn at the corners of a lattice half a wave wide are blended between them; finer octaves are added. Guarantees: no
-//! vector is longer than 1; the same on every machine; along a hair they hang from its id and the place on it alone.
+//! Random values at the corners of a lattice of half a wavelength are blended; finer octaves are added. Guarantees: no vector is
+//! longer than 1; the same on every machine; along a hair, vectors depend on its id and the position alone.
 
 use crate::maths::hash::Dice;
 use glam::Vec3;
 
-/// Waves of one look.
+/// Noise with these octaves.
 pub(super) struct Waves {
     pub dice: Dice,
-    /// Each is half as long as the one before.
+    /// Number of octaves, each with half the wavelength of the one before.
     pub octaves: u32,
-    /// Share of each octave by the one before.
+    /// Amplitude of each octave relative to the one before.
     pub roughness: f32,
 }
 
-/// How much the later of two corners counts so far on the way to it: level in slope and bend at both.
+/// Weight of the second of two corners at this fraction of the way: slope and curvature vanish at both.
 fn blend(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
@@ -26,7 +26,7 @@ fn vector(bits: u64) -> Vec3 {
 }
 
 impl Waves {
-    /// At a place in space, in wavelengths.
+    /// At a position in space, in wavelengths.
     pub(super) fn in_space(&self, p: Vec3) -> Vec3 {
         self.octaves(|octave, scale| {
             let q = p * (2.0 * scale);
@@ -45,7 +45,7 @@ impl Waves {
             sum
         })
     }
-    /// On the hair of an id, so many wavelengths from its root.
+    /// On the hair with this id, at a distance from its root in wavelengths.
     pub(super) fn along(&self, id: u64, x: f32) -> Vec3 {
         self.octaves(|octave, scale| {
             let q = x * (2.0 * scale);

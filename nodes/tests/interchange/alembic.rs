@@ -4,12 +4,14 @@ use super::common::{self, Tufts, one_set, sample, sample_stage, two_points, valu
 use coif_nodes::data::attributes as a;
 use coif_nodes::data::curves::{Curves, TuftBuilder};
 use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
-use coif_nodes::formats::abc::read::{Archive, Kind, Object, Property, entry, read_curves};
+use coif_nodes::formats::abc::read::{
+    AbcObject, AbcProperty, AbcPropertyKind, Archive, entry, read_curves,
+};
 use coif_nodes::formats::abc::write;
-use coif_nodes::formats::export::{self, About, Format, Group};
+use coif_nodes::formats::export::{self, About, Format, HairGroup};
 use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Stage, Widths,
+    CurveSet, GroomStage, Interpolation, Primvar, PrimvarValues, Widths,
 };
 use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};
 use coif_nodes::maths::closest::Surface;
@@ -18,14 +20,14 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::sync::Arc;
 
-fn bytes_of(stage: &Stage) -> Vec<u8> {
+fn bytes_of(stage: &GroomStage) -> Vec<u8> {
     let mut file = Cursor::new(vec![]);
     write(stage, &[], &mut file).unwrap();
     file.into_inner()
 }
 
 /// Curves with each kind of attribute that a groom has; ids that fold to one number.
-fn groups() -> Vec<Group> {
+fn groups() -> Vec<HairGroup> {
     let group = |name: &str, guides: bool, parting: u64| {
         let mut b = TuftBuilder::even((0..12).map(|k| Vec3::Y * k as f32).collect(), 4);
         b.set(a::ID, a::Domain::Curve, vec![5, 5 | 1 << 31, 6]);
@@ -33,7 +35,7 @@ fn groups() -> Vec<Group> {
         b.set(a::COLOUR, a::Domain::Curve, vec![Vec3::X, Vec3::Y, Vec3::Z]);
         b.set(a::PARTING, a::Domain::Curve, vec![parting]);
         let curves = Curves::new(vec![Arc::new(b.build())]);
-        Group { name: name.into(), guides, curves }
+        HairGroup { name: name.into(), guides, curves }
     };
     vec![
         group("hair", false, 0),
@@ -44,7 +46,7 @@ fn groups() -> Vec<Group> {
     ]
 }
 
-fn exported(format: Format, groups: &[Group]) -> Vec<u8> {
+fn exported(format: Format, groups: &[HairGroup]) -> Vec<u8> {
     let about = About {
         title: "Head".into(),
         generator: "coif tests".into(),
@@ -132,18 +134,18 @@ fn an_archive_may_follow_other_bytes() {
 
 /// Every object and property as a line: what other readers meet.
 fn listing(bytes: &[u8]) -> String {
-    fn properties(archive: &Archive, all: Vec<Property>, indent: usize, text: &mut String) {
+    fn properties(archive: &Archive, all: Vec<AbcProperty>, indent: usize, text: &mut String) {
         for property in all {
             let of = |key| entry(property.metadata, key).unwrap_or("");
             let scope = [of("geoScope"), of("interpretation")].join(" ");
             *text += &format!("{:indent$}{} ", "", property.name);
             match property.kind {
-                Kind::Compound(place) => {
+                AbcPropertyKind::Compound(place) => {
                     *text += "\n";
                     let inner = archive.properties(place).unwrap();
                     properties(archive, inner, indent + 2, text);
                 }
-                Kind::Values { pod, extent, is_scalar, bytes, .. } => {
+                AbcPropertyKind::Values { pod, extent, is_scalar, bytes, .. } => {
                     let how = if is_scalar { "scalar" } else { "array" };
                     let told = format!("{how} {pod}x{extent} {scope} {} bytes", bytes.len());
                     *text += &(told.split_whitespace().collect::<Vec<_>>().join(" ") + "\n");
@@ -151,7 +153,7 @@ fn listing(bytes: &[u8]) -> String {
             }
         }
     }
-    fn objects(archive: &Archive, object: Object, indent: usize, text: &mut String) {
+    fn objects(archive: &Archive, object: AbcObject, indent: usize, text: &mut String) {
         let (place, children) = archive.open_object(&object).unwrap();
         let schema = entry(object.metadata, "schema").unwrap_or("");
         *text += &format!("{:indent$}/{} {schema}\n", "", object.name);
@@ -287,7 +289,8 @@ fn names_hold_nothing_that_paths_or_metadata_are_made_of() {
         interpolation: Interpolation::Constant,
         values: PrimvarValues::Int(vec![1].into()),
     };
-    let mut stage = Stage { name: "a/b;c".into(), groups: sets.into(), ..one_set(two_points()) };
+    let mut stage =
+        GroomStage { name: "a/b;c".into(), groups: sets.into(), ..one_set(two_points()) };
     stage.doc = "x;_ai_Application=y".into();
     stage.groups[0].primvars = names.map(primvar).into();
     let read = read_curves(&bytes_of(&stage)).unwrap();
@@ -341,11 +344,13 @@ fn faces_of_a_head_are_clockwise_and_keep_their_corners_uvs() {
     assert_eq!(names, ["hair", "head"]);
     let (_, shapes) = archive.open_object(&sets[1]).unwrap();
     let (place, _) = archive.open_object(&shapes[0]).unwrap();
-    let Kind::Compound(geom) = archive.properties(place).unwrap()[0].kind else { panic!() };
+    let AbcPropertyKind::Compound(geom) = archive.properties(place).unwrap()[0].kind else {
+        panic!()
+    };
     let geom = archive.properties(geom).unwrap();
     let of = |name: &str| match geom.iter().find(|p| p.name == name).expect(name).kind {
-        Kind::Values { bytes, .. } => bytes.to_vec(),
-        Kind::Compound(_) => panic!("{name}"),
+        AbcPropertyKind::Values { bytes, .. } => bytes.to_vec(),
+        AbcPropertyKind::Compound(_) => panic!("{name}"),
     };
     let ints = |values: &[i32]| bytemuck::cast_slice::<i32, u8>(values).to_vec();
     assert_eq!(of(".faceCounts"), ints(&[3, 3]));

@@ -2,7 +2,7 @@
 
 use coif_nodes::formats::Chunks;
 use coif_nodes::formats::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Stage, UpAxis, Widths,
+    CurveSet, GroomStage, Interpolation, Primvar, PrimvarValues, Purpose, UpAxis, Widths,
 };
 use coif_nodes::formats::usd::read::{LeftOut, ReadCurves, ReadStage, ReadValues, read_stage};
 use glam::{Vec2, Vec3};
@@ -61,8 +61,8 @@ pub(crate) fn chunks<T: Clone>(pieces: &[Vec<T>]) -> Chunks<'_, T> {
 }
 
 /// Strands with every kind of primvar, guides of constant width, and a set without curves.
-pub(crate) fn sample_stage<'a>(strands: &'a Tufts, guides: &'a Tufts) -> Stage<'a> {
-    Stage {
+pub(crate) fn sample_stage<'a>(strands: &'a Tufts, guides: &'a Tufts) -> GroomStage<'a> {
+    GroomStage {
         name: "Head groom 1".into(),
         doc: "A \"sample\"\nwith two lines, a \\ and a \u{1}".into(),
         generator: "coif tests".into(),
@@ -138,7 +138,7 @@ pub(crate) fn values_of(values: &PrimvarValues) -> ReadValues {
 }
 
 /// The stage in both forms, with their extensions.
-pub(crate) fn both_forms(stage: &Stage) -> [(&'static str, Vec<u8>); 2] {
+pub(crate) fn both_forms(stage: &GroomStage) -> [(&'static str, Vec<u8>); 2] {
     use coif_nodes::formats::usd::groom::{write_usda, write_usdc};
     let (mut text, mut crate_file) = (Vec::new(), Cursor::new(Vec::new()));
     write_usda(stage, &mut text).unwrap();
@@ -225,8 +225,8 @@ pub(crate) fn sample() -> (Tufts, Tufts) {
 }
 
 /// A groom of one set.
-pub(crate) fn one_set(set: CurveSet) -> Stage {
-    Stage {
+pub(crate) fn one_set(set: CurveSet) -> GroomStage {
+    GroomStage {
         name: "Groom".into(),
         doc: String::new(),
         generator: String::new(),

@@ -5,10 +5,10 @@ use super::common::{
 };
 use coif_nodes::formats::usd::form::Form;
 use coif_nodes::formats::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Stage, Widths, write_usda, write_usdc,
+    CurveSet, GroomStage, Interpolation, Primvar, PrimvarValues, Widths, write_usda, write_usdc,
 };
 use coif_nodes::formats::usd::read::{ReadCurves, ReadValues, ReadWidths};
-use coif_nodes::formats::usd::spec::{Attribute, Layer, Prim, Property, Value};
+use coif_nodes::formats::usd::spec::{AttributeSpec, PrimSpec, PropertySpec, UsdLayer, UsdValue};
 use coif_nodes::formats::usd::{usda, usdc};
 use glam::{Vec2, Vec3};
 use std::io::{Cursor, Seek, Write};
@@ -151,35 +151,40 @@ fn time_samples_and_the_other_value_types_are_written_in_both_forms() {
     let attribute = |name: &str, type_name, value| {
         let name = name.into();
         let default = Some(value);
-        Property::Attribute(Attribute { name, type_name, default, ..Attribute::default() })
+        PropertySpec::Attribute(AttributeSpec {
+            name,
+            type_name,
+            default,
+            ..AttributeSpec::default()
+        })
     };
-    let at = |x: f32| Value::Vec3fs(vec![Vec3::splat(x), Vec3::ONE].into());
-    let layer = Layer {
-        prims: vec![Prim {
+    let at = |x: f32| UsdValue::Vec3fs(vec![Vec3::splat(x), Vec3::ONE].into());
+    let layer = UsdLayer {
+        prims: vec![PrimSpec {
             name: "Curves".into(),
             type_name: "BasisCurves",
             properties: vec![
-                attribute("curveVertexCounts", "int[]", Value::Ints(vec![2].into())),
-                Property::Attribute(Attribute {
+                attribute("curveVertexCounts", "int[]", UsdValue::Ints(vec![2].into())),
+                PropertySpec::Attribute(AttributeSpec {
                     name: "points".into(),
                     type_name: "point3f[]",
                     samples: vec![(1.0, at(1.5)), (2.5, at(-2.0))],
-                    ..Attribute::default()
+                    ..AttributeSpec::default()
                 }),
-                attribute("primvars:bool", "bool", Value::Bool(true)),
-                attribute("primvars:double", "double", Value::Double(0.1)),
-                attribute("primvars:float2", "float2", Value::Vec2f(Vec2::new(0.5, -1.0))),
-                attribute("primvars:asset", "asset", Value::Asset("a@b.png".into())),
-                attribute("primvars:int", "int", Value::Int(i32::MIN)),
-                attribute("primvars:int64", "int64", Value::Int64(i64::MIN)),
-                attribute("primvars:short64", "int64", Value::Int64(-5)),
-                attribute("primvars:tokens", "token[]", Value::Tokens(vec!["a".into()])),
-                attribute("primvars:inf", "float", Value::Float(f32::NEG_INFINITY)),
-                attribute("primvars:tiny", "float", Value::Float(f32::from_bits(1))),
+                attribute("primvars:bool", "bool", UsdValue::Bool(true)),
+                attribute("primvars:double", "double", UsdValue::Double(0.1)),
+                attribute("primvars:float2", "float2", UsdValue::Vec2f(Vec2::new(0.5, -1.0))),
+                attribute("primvars:asset", "asset", UsdValue::Asset("a@b.png".into())),
+                attribute("primvars:int", "int", UsdValue::Int(i32::MIN)),
+                attribute("primvars:int64", "int64", UsdValue::Int64(i64::MIN)),
+                attribute("primvars:short64", "int64", UsdValue::Int64(-5)),
+                attribute("primvars:tokens", "token[]", UsdValue::Tokens(vec!["a".into()])),
+                attribute("primvars:inf", "float", UsdValue::Float(f32::NEG_INFINITY)),
+                attribute("primvars:tiny", "float", UsdValue::Float(f32::from_bits(1))),
             ],
-            ..Prim::default()
+            ..PrimSpec::default()
         }],
-        ..Layer::default()
+        ..UsdLayer::default()
     };
     let (mut text, mut crate_file) = (Vec::new(), Cursor::new(Vec::new()));
     usda::write(&layer, &mut text).unwrap();
@@ -281,7 +286,7 @@ fn names_become_valid_and_unique() {
     let names = ["a b", "a_b", "groom:1 id", "st:indices", "", "ß"];
     let set = CurveSet { primvars: names.map(primvar).into(), ..two_points() };
     let sets = ["1 top", "", "1/top"].map(|name| CurveSet { name: name.into(), ..set.clone() });
-    let stage = Stage { name: "haar-é".into(), groups: sets.into(), ..one_set(two_points()) };
+    let stage = GroomStage { name: "haar-é".into(), groups: sets.into(), ..one_set(two_points()) };
     for (extension, bytes) in both_forms(&stage) {
         let read = read_curves(&bytes, extension).unwrap();
         let paths: Vec<_> = read.iter().map(|curves| curves.path.as_str()).collect();

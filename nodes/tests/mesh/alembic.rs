@@ -4,7 +4,7 @@ use super::measure::held;
 use coif_nodes::data::attributes::{Attribute, COLOUR, Domain, ID, Item, ROOT_UV};
 use coif_nodes::data::curves::{Curves, TuftBuilder};
 use coif_nodes::formats::abc::read_curves;
-use coif_nodes::formats::export::{About, Format, Group, write};
+use coif_nodes::formats::export::{About, Format, HairGroup, write};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ fn file(n: usize, more: usize) -> Vec<u8> {
         sections: Default::default(),
     };
     let mut out = std::io::Cursor::new(vec![]);
-    let group = Group { name: "hair".into(), guides: false, curves };
+    let group = HairGroup { name: "hair".into(), guides: false, curves };
     write(Format::Abc, &[group], &[], &about, &mut out, &|| false).unwrap();
     out.into_inner()
 }

@@ -71,9 +71,9 @@ pub(super) fn depths(tuft: &Tuft, scalp: &Scalp) -> Vec<f32> {
 }
 
 /// Numbers worked out once for all tufts, found again by the tuft's key.
-pub(super) struct Known(BTreeMap<u128, Vec<f32>>);
+pub(super) struct CachedNumbers(BTreeMap<u128, Vec<f32>>);
 
-impl Known {
+impl CachedNumbers {
     pub(super) fn of(curves: &Curves, numbers: impl Fn(&Tuft) -> Vec<f32>) -> Self {
         Self(curves.tufts().iter().map(|t| (t.key().0, numbers(t))).collect())
     }
@@ -175,7 +175,7 @@ fn territory(tuft: &Tuft, i: usize) -> u64 {
 
 /// Distance of every curve's root from the nearest parting, cm: the line half-way between roots of different territories.
 /// NaN for all where there is one territory only.
-pub(super) fn partings(curves: &Curves) -> Known {
+pub(super) fn partings(curves: &Curves) -> CachedNumbers {
     let mut roots = vec![];
     for (tuft, i) in curves.each() {
         if let Some(root) = tuft.curve(i).first().filter(|p| p.is_finite()) {
@@ -183,7 +183,7 @@ pub(super) fn partings(curves: &Curves) -> Known {
         }
     }
     let tree = Territories::new(roots);
-    Known::of(curves, |tuft| {
+    CachedNumbers::of(curves, |tuft| {
         let mut out = Vec::with_capacity(tuft.points().len());
         for i in 0..tuft.len() {
             let range = tuft.range(i);

@@ -103,12 +103,12 @@ fn a_merge_takes_both_and_tells_what_meets() {
     check(&folder, &["merge", "base.ron", "a.ron", "c.ron"], 1, "", &told);
     let line = "// conflict: finer.count: base 8, ours 9, theirs 10\n                \"count\": 9,";
     assert!(read("a.ron").contains(line), "{}", read("a.ron"));
-    check(&folder, &["check", "a.ron"], 2, "", &["a merge left this to decide: finer.count"]);
+    check(&folder, &["check", "a.ron"], 2, "", &["merge conflict: finer.count"]);
     let hair = folder.path("hair.usda").display().to_string();
     assert_eq!(run_in(&folder, &["eval", "a.ron", "--out", &hair]).code, 0);
     let strict = run_in(&folder, &["eval", "a.ron", "--strict", "--out", &hair]);
     assert_eq!(strict.code, 2, "{}", strict.err);
-    assert!(strict.err.contains("a merge left this to decide"), "{}", strict.err);
+    assert!(strict.err.contains("merge conflict"), "{}", strict.err);
     let decided = read("a.ron").replace("// conflict: finer.count: base 8, ours 9, theirs 10", "");
     std::fs::write(folder.path("a.ron"), decided).unwrap();
     check(&folder, &["check", "a.ron"], 0, "a.ron: 4 nodes, no errors\n", &[]);

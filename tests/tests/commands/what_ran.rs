@@ -6,7 +6,7 @@ use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::Outcome;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
-use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use coif_nodes::data::gestures::{Gesture, GestureView, Gestures, Layer, PenSample, Tool};
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
@@ -398,7 +398,7 @@ fn a_gesture_on_one_cluster_makes_one_tuft_anew_and_taking_it_back_none() {
         Some(Some(Value::Curves(curves))) => curves.each().map(|(tuft, i)| tuft.id(i)).min(),
         _ => None,
     };
-    let view = View {
+    let view = GestureView {
         eye: Vec3::new(0.0, 0.0, 80.0),
         target: Vec3::ZERO,
         up: Vec3::Y,

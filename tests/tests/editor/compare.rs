@@ -31,8 +31,8 @@ fn anothers_version_is_looked_at_beside_ones_own_and_in_its_place() {
     std::fs::write(&path, file::write(&other)).expect("a file");
     let mut story = Story::begin("compare", Hand::Mouse, &folder);
     let editor = story.ui.state_mut();
-    editor.apply(Event::Documents(documents::Event::New(Some("cornrows"))));
-    editor.apply(Event::Documents(documents::Event::Unsaved(Unsaved::Discard)));
+    editor.apply(Event::Documents(documents::DocumentEvent::New(Some("cornrows"))));
+    editor.apply(Event::Documents(documents::DocumentEvent::Unsaved(Unsaved::Discard)));
     story.sees_hair(1000);
     let before = file::write(&story.ui.state().state.document);
     // The file is chosen in the window's own browser.

@@ -28,8 +28,8 @@ impl Story {
     fn on_head(mesh: &std::path::Path, name: &'static str, home: &str, folder: &Folder) -> Self {
         let mut story = Self::begin(name, Hand::Mouse, folder);
         let editor = story.ui.state_mut();
-        editor.apply(Event::Documents(documents::Event::New(None)));
-        editor.apply(Event::Documents(documents::Event::Mesh(mesh.to_owned())));
+        editor.apply(Event::Documents(documents::DocumentEvent::New(None)));
+        editor.apply(Event::Documents(documents::DocumentEvent::Mesh(mesh.to_owned())));
         settle(&mut story.ui);
         story.click("Accept");
         let editor = story.ui.state_mut();

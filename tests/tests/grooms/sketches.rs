@@ -7,7 +7,7 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_graphs::{file, grooms};
 use coif_nodes::define::Value;
 use coif_nodes::eval::{PlainHost, Quality};
-use coif_nodes::laws::{Hair, depth};
+use coif_nodes::laws::{MeasuredHair, depth};
 use coif_tests::{RealHead, smooth_heads};
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ fn what_a_pen_drew_on_the_built_in_head_stands_on_others() {
             assert!(drift < 0.2, "{name} on {head}: {drift}");
             assert!(turned < 5.0, "{name} on {head}: {turned}");
             assert!(lost.is_empty(), "{name} on {head}: {lost:?}");
-            let deep = depth::measure(&Hair::of(curves, &PlainHost), scalp).deepest_cm;
+            let deep = depth::measure(&MeasuredHair::of(curves, &PlainHost), scalp).deepest_cm;
             assert!(deep < 0.1 * unit, "{name} on {head}: {deep} cm under the skin");
         }
     }

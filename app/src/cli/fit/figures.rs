@@ -7,15 +7,15 @@ use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::eval::PlainHost;
 use coif_nodes::formats::export;
-use coif_nodes::laws::{Hair, depth};
+use coif_nodes::laws::{MeasuredHair, depth};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::sync::Arc;
 
 /// What a graph gave on one head.
-pub(super) struct Made {
-    pub(super) groups: Vec<export::Group>,
+pub(super) struct FitResult {
+    pub(super) groups: Vec<export::HairGroup>,
     pub(super) scalp: Arc<Scalp>,
     pub(super) parted: Vec<(NodeId, Arc<Scalp>)>,
     /// Curves of the nodes that root some.
@@ -28,9 +28,9 @@ const MISSES: f32 = 0.5;
 impl Fit {
     /// What `made`, on a head to which `carried` has the map, is beside what was there at home. `check` may end the work.
     pub(super) fn of(
-        home: &Made,
+        home: &FitResult,
         carried: &Scalp,
-        made: &Made,
+        made: &FitResult,
         (landmarks, baked): (&str, bool),
         check: &dyn Fn() -> Result<(), Stop>,
     ) -> Result<Self, Stop> {
@@ -68,7 +68,7 @@ impl Fit {
     }
 
     /// For a person.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn report(&self) -> String {
         let mut text = format!("landmarks: {}\n", self.landmarks);
         let [low, middle, high] = self.stretch;
         let _ = writeln!(
@@ -159,7 +159,7 @@ fn under_the_skin(
     for tuft in curves.tufts() {
         check()?;
         let one = Curves::new(vec![tuft.clone()]);
-        let found = depth::measure(&Hair::of(&one, &PlainHost), scalp);
+        let found = depth::measure(&MeasuredHair::of(&one, &PlainHost), scalp);
         (inside, deepest) = (inside + found.curves, deepest.max(found.deepest_cm));
     }
     Ok((inside, deepest))

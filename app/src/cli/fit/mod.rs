@@ -31,7 +31,7 @@ use coif_nodes::data::landmarks::Landmarks;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
 use coif_nodes::eval::Quality;
-use figures::Made;
+use figures::FitResult;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -183,7 +183,7 @@ impl Watched {
         head.chain(&self.parted).chain(&self.sources).cloned().collect()
     }
 
-    fn made(self, evaluated: Evaluated) -> Result<Made, Stop> {
+    fn made(self, evaluated: Evaluated) -> Result<FitResult, Stop> {
         let Evaluated { groups, more, .. } = evaluated;
         let mut more = more.into_iter();
         let scalp = |value: Option<Value>| match value {
@@ -201,7 +201,7 @@ impl Watched {
             let Some(Value::Curves(curves)) = more.next() else { return Err(none()) };
             sources.push((socket.node, curves));
         }
-        Ok(Made { groups, scalp: head, parted, sources })
+        Ok(FitResult { groups, scalp: head, parted, sources })
     }
 }
 
@@ -282,6 +282,6 @@ fn rebase(document: &mut Document, from: &Path, to: &Path) {
 
 /// The figures, for a person.
 fn summary(report: &Report, out: &Path) -> String {
-    let figures = report.fit.as_ref().map_or(String::new(), Fit::told);
+    let figures = report.fit.as_ref().map_or(String::new(), Fit::report);
     format!("{figures}{:.2} s\nwrote {}", report.total_ms / 1e3, out.display())
 }

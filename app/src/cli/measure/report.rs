@@ -10,7 +10,7 @@ use coif_nodes::laws::braid_words::Crossing;
 use coif_nodes::laws::partings::{Parted, Partings};
 use coif_nodes::laws::strands::{MOST_POINTS, Strands};
 use coif_nodes::laws::{
-    Hair, braids, curls, depth, ids, outlines, roots, sections, stitches, strands, ties,
+    MeasuredHair, braids, curls, depth, ids, outlines, roots, sections, stitches, strands, ties,
 };
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ pub(super) struct Measured {
     pub(super) ids_elsewhere: Option<usize>,
     pub(super) braids: Option<Braids>,
     #[serde(serialize_with = "of_sections")]
-    pub(super) sections: Option<sections::Sections>,
+    pub(super) sections: Option<sections::HairBySection>,
     #[serde(serialize_with = "of_partings")]
     pub(super) partings: Option<Parted>,
     #[serde(serialize_with = "of_curls")]
@@ -65,7 +65,7 @@ pub(super) struct OnScalp {
     #[serde(flatten, with = "RootsNames")]
     pub(super) roots: roots::Roots,
     #[serde(flatten, with = "DepthNames")]
-    pub(super) depth: depth::Depth,
+    pub(super) depth: depth::SkinDepth,
 }
 
 /// Something of a file that was not read.
@@ -97,7 +97,8 @@ pub(super) const DEEPER: &str = "nothing is deeper under the skin than allowed";
 pub(super) const ROOTED: &str = "roots lie on the scalp to 0.001 cm";
 
 pub(super) fn measure(stage: &ReadStage, scalp: Option<&Scalp>, host: &dyn Host) -> Vec<Measured> {
-    let prims: Vec<Hair> = stage.curves.iter().map(|read| Hair::read(read, host)).collect();
+    let prims: Vec<MeasuredHair> =
+        stage.curves.iter().map(|read| MeasuredHair::read(read, host)).collect();
     let partings = Partings::of(&prims);
     let hair = stage.curves.iter().filter(|read| !is_guides(read));
     let hair = hair.map(|read| read.points.len()).sum();
@@ -120,7 +121,7 @@ fn is_guides(read: &ReadCurves) -> bool {
 impl Measured {
     /// Of a file with so many points of hair.
     fn of(
-        (read, prim): (&ReadCurves, &Hair),
+        (read, prim): (&ReadCurves, &MeasuredHair),
         partings: Option<&Partings>,
         hair: usize,
         scalp: Option<&Scalp>,
@@ -190,7 +191,7 @@ impl Measured {
             laws.insert("no hair is rooted in a parting", partings.rooted_in == 0);
         }
         if let Some(curls) = self.curls.as_ref().filter(|curls| curls.can_be_judged()) {
-            let [diameters, pitches, shrinkage] = curls.are_as_asked(0.05);
+            let [diameters, pitches, shrinkage] = curls.are_as_requested(0.05);
             laws.insert("curl diameters are as asked to 5 %", diameters);
             laws.insert("curl pitches are as asked to 5 %", pitches);
             laws.insert("shrinkage is as told to 5 %", shrinkage);
@@ -209,13 +210,13 @@ impl Measured {
 }
 
 /// One stitch's factor, in the order from the left: `s1` the pair farthest left, `^-1` where the strand going right is behind.
-pub(super) fn factor(kind: &braids::Kind) -> String {
+pub(super) fn factor(kind: &braids::BraidKind) -> String {
     let one = |(p, front): (usize, &bool)| format!("s{}{}", p + 1, if *front { "" } else { "^-1" });
     kind.signs.iter().enumerate().map(one).collect::<Vec<_>>().join(" ")
 }
 
 /// `under`, `over`, `either` (both are the same braid), or `not known` where nothing in the file tells its front.
-pub(super) fn crossing(kind: &braids::Kind) -> &'static str {
+pub(super) fn crossing(kind: &braids::BraidKind) -> &'static str {
     match kind.crossing {
         None => "not known",
         Some(Crossing::Under) => "under",
@@ -236,16 +237,16 @@ macro_rules! optional {
 }
 optional! {
     of_joined: stitches::Joined as "JoinedNames";
-    of_sections: sections::Sections as "SectionsNames";
+    of_sections: sections::HairBySection as "SectionsNames";
     of_partings: Parted as "PartedNames";
     of_curls: curls::Curls as "CurlsNames";
     of_puffs: outlines::Puffs as "PuffsNames";
     of_ties: ties::Ties as "TiesNames";
 }
 
-fn of_kinds<S: Serializer>(of: &[braids::Kind], to: S) -> Result<S::Ok, S::Error> {
+fn of_kinds<S: Serializer>(of: &[braids::BraidKind], to: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
-    struct Named<'a>(#[serde(with = "KindNames")] &'a braids::Kind);
+    struct Named<'a>(#[serde(with = "KindNames")] &'a braids::BraidKind);
     to.collect_seq(of.iter().map(Named))
 }
 
@@ -273,14 +274,14 @@ struct BraidsNames {
     tubes: bool,
     worst_overlap: f32,
     #[serde(serialize_with = "of_kinds")]
-    kinds: Vec<braids::Kind>,
+    kinds: Vec<braids::BraidKind>,
     broken_words: usize,
     height_cm: Option<[f32; 3]>,
     gap_cm: Option<[f32; 3]>,
 }
 
 #[derive(Serialize)]
-#[serde(remote = "braids::Kind")]
+#[serde(remote = "braids::BraidKind")]
 struct KindNames {
     braids: usize,
     strands: usize,
@@ -304,7 +305,7 @@ struct JoinedNames {
 }
 
 #[derive(Serialize)]
-#[serde(remote = "sections::Sections")]
+#[serde(remote = "sections::HairBySection")]
 struct SectionsNames {
     sections: usize,
     without: usize,
@@ -341,7 +342,8 @@ struct PuffsNames {
     fewest: usize,
     radius_cm: [f32; 2],
     coverage: f32,
-    asked: Option<f32>,
+    #[serde(rename = "asked")]
+    requested: Option<f32>,
     #[serde(with = "EdgeNames")]
     edge: outlines::Edge,
     a_cell: f32,
@@ -376,7 +378,7 @@ struct RootsNames {
 }
 
 #[derive(Serialize)]
-#[serde(remote = "depth::Depth")]
+#[serde(remote = "depth::SkinDepth")]
 struct DepthNames {
     too_deep: usize,
     deepest_cm: f32,

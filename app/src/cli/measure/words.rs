@@ -120,7 +120,7 @@ pub(super) fn in_words(m: &Measured) -> String {
             p.puffs,
             p.hairs,
             f(p.coverage),
-            p.asked.map_or(String::new(), |asked| format!(" of {} asked", f(asked))),
+            p.requested.map_or(String::new(), |asked| format!(" of {} asked", f(asked))),
             f(100.0 * p.within),
             f(100.0 * p.deviation)
         );

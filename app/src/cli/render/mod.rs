@@ -11,7 +11,7 @@ use super::progress::Bar;
 use crate::files::{Together, read_at_most};
 use crate::jobs::open::writes_all;
 use crate::jobs::render::files::{self, Format, Series};
-use crate::jobs::render::{self, Request};
+use crate::jobs::render::{self, RenderRequest};
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
 use crate::scene::{Show, Skin};
@@ -181,7 +181,7 @@ impl RenderArgs {
     }
 
     /// Refuses words that mean nothing, in one line each.
-    fn understood(&self) -> Result<Request, Stop> {
+    fn understood(&self) -> Result<RenderRequest, Stop> {
         let show = self.view.parse();
         let show: Show = show.map_err(|reason| Stop::refused(format!("--view {reason}")))?;
         let models = Model::ALL.map(Model::name);
@@ -189,7 +189,7 @@ impl RenderArgs {
         let displays = displays.each_ref().map(String::as_str);
         let display =
             |text: &str| displays.iter().position(|name| *name == text).map(|i| Transform::ALL[i]);
-        Ok(Request {
+        Ok(RenderRequest {
             size: words::size(&self.size)?,
             files: self.files()?,
             frames: match self.turntable {
@@ -238,8 +238,13 @@ impl RenderArgs {
         // Names that are none are told as such, and nothing else is written there meanwhile.
         let Ok(named) = self.files() else { return writes_all(self.out.iter().cloned(), files) };
         let frames = self.turntable.unwrap_or(1).min(MOST_FRAMES);
-        Request { files: named, cameras: self.camera.clone(), frames, ..Request::default() }
-            .claim(files)
+        RenderRequest {
+            files: named,
+            cameras: self.camera.clone(),
+            frames,
+            ..RenderRequest::default()
+        }
+        .claim(files)
     }
 
     /// How many pictures are drawn.

@@ -7,7 +7,7 @@ use coif_graphs::text::write_value;
 use coif_graphs::values::DEEPEST_FIELD;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::Ramp;
-use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
 use coif_nodes::define::Value;
 use coif_nodes::maths::hash::Dice;
 use glam::Vec2;
@@ -314,14 +314,17 @@ fn any_shapes(dice: &Dice, count: u64) -> ShapeList {
         let tier = [Tier::B, Tier::C][dice.below(id, 0, 2) as usize];
         let point = |k: u64| Vec2::new(dice.signed(id, 10 + k), dice.signed(id, 5000 + k)) * 700.0;
         let section = match dice.below(id, 1, 7) {
-            0 => Section::Circle,
-            1 => Section::Ellipse(dice.range(id, 2, 0.01, 1.0)),
-            2 => Section::Lame(dice.range(id, 3, 0.3, 20.0)),
-            3 => Section::Polygon(3 + dice.below(id, 4, 10)),
-            4 => {
-                Section::Rose { petals: 2 + dice.below(id, 5, 11), depth: dice.unit(id, 6) * 0.95 }
+            0 => TurnProfile::Circle,
+            1 => TurnProfile::Ellipse(dice.range(id, 2, 0.01, 1.0)),
+            2 => TurnProfile::Lame(dice.range(id, 3, 0.3, 20.0)),
+            3 => TurnProfile::Polygon(3 + dice.below(id, 4, 10)),
+            4 => TurnProfile::Rose {
+                petals: 2 + dice.below(id, 5, 11),
+                depth: dice.unit(id, 6) * 0.95,
+            },
+            _ => {
+                TurnProfile::Custom((0..3 + u64::from(dice.below(id, 7, 254))).map(point).collect())
             }
-            _ => Section::Custom((0..3 + u64::from(dice.below(id, 7, 254))).map(point).collect()),
         };
         (tier, section)
     };

@@ -137,7 +137,7 @@ pub(crate) fn moves(to: impl IntoIterator<Item = (NodeId, Pos2)>) -> Edit {
 
 /// A line that nodes are brought to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Line {
+pub(crate) enum Alignment {
     /// Left edges in a column.
     Left,
     /// Right edges in a column.
@@ -149,15 +149,15 @@ pub(crate) enum Line {
 }
 
 /// The edit that brings nodes to the outermost of them.
-pub(crate) fn aligned(faces: &Faces, nodes: &BTreeSet<NodeId>, line: Line) -> Edit {
+pub(crate) fn aligned(faces: &Faces, nodes: &BTreeSet<NodeId>, line: Alignment) -> Edit {
     let Some(all) = faces.bounds(nodes) else { return Edit::Several(vec![]) };
     moves(nodes.iter().filter_map(|id| {
         let rect = faces.rect(id)?;
         let at = match line {
-            Line::Left => pos2(all.left(), rect.top()),
-            Line::Right => pos2(all.right() - rect.width(), rect.top()),
-            Line::Top => pos2(rect.left(), all.top()),
-            Line::Bottom => pos2(rect.left(), all.bottom() - rect.height()),
+            Alignment::Left => pos2(all.left(), rect.top()),
+            Alignment::Right => pos2(all.right() - rect.width(), rect.top()),
+            Alignment::Top => pos2(rect.left(), all.top()),
+            Alignment::Bottom => pos2(rect.left(), all.bottom() - rect.height()),
         };
         Some((id.clone(), at))
     }))
@@ -238,8 +238,8 @@ mod tests {
             assert!(want(&faces(&after)), "{edit:?}");
         };
         let f = faces(&document);
-        check(aligned(&f, &nodes, Line::Top), |f| f.corners[&id("braid")] == pos2(300.0, 0.0));
-        check(aligned(&f, &nodes, Line::Left), |f| f.corners[&id("fill")] == pos2(220.0, 0.0));
+        check(aligned(&f, &nodes, Alignment::Top), |f| f.corners[&id("braid")] == pos2(300.0, 0.0));
+        check(aligned(&f, &nodes, Alignment::Left), |f| f.corners[&id("fill")] == pos2(220.0, 0.0));
         check(distributed(&f, &nodes), |f| {
             let x = |node: &str| f.corners[&id(node)].x;
             (x("rows"), x("braid"), x("fill")) == (220.0, 440.0, 660.0)

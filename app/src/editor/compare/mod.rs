@@ -15,9 +15,9 @@ use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::state::{OpenFile, State};
-use crate::jobs::evaluation::Request;
-use crate::rooms::canvas::{Canvas, Marks, marks};
-use coif_graphs::compare::{Told, diff, is_same_hair, told};
+use crate::jobs::evaluation::EvaluationRequest;
+use crate::rooms::canvas::{Canvas, DiffMarks, marks};
+use coif_graphs::compare::{ChangeLine, change_lines, diff, is_same_hair};
 use coif_graphs::document::{Document, NodeId};
 use coif_nodes::eval::Quality;
 use std::path::Path;
@@ -43,9 +43,9 @@ pub struct Compare {
     answered: bool,
     /// What differs, as of this number of changes of one's own.
     of: Option<u64>,
-    lines: Vec<Told>,
+    lines: Vec<ChangeLine>,
     /// Of one's own, and of the other.
-    marks: [Arc<Marks>; 2],
+    marks: [Arc<DiffMarks>; 2],
     /// Nothing that makes hair differs.
     same_hair: bool,
     /// The node that is brought into sight.
@@ -99,7 +99,7 @@ impl Compare {
             std::mem::swap(&mut a, &mut b);
         }
         let changes = diff(a, b);
-        self.lines = told(a, b, &changes, true);
+        self.lines = change_lines(a, b, &changes, true);
         self.same_hair = is_same_hair(a, b, &changes);
         let mut both = marks(a, b, &changes).map(Arc::new);
         if self.is_before {
@@ -184,7 +184,7 @@ impl Editor {
 
     fn ask_beside(&self) {
         let (Some(compare), Some(evaluation)) = (&self.compare, &self.evaluation) else { return };
-        evaluation.ask_beside(Request {
+        evaluation.ask_beside(EvaluationRequest {
             revision: compare.other.revision,
             document: compare.document.clone(),
             folder: compare.other.file.folder.clone(),

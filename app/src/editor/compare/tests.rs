@@ -271,7 +271,7 @@ fn what_was_saved_is_compared_with_what_was_made_of_it() {
     let mut ui = on(cornrows(), OpenFile::default());
     ui.state_mut().act("compare.saved");
     assert!(ui.state().compare().is_none(), "there is no file yet");
-    ui.state_mut().apply(Event::Documents(crate::core::documents::Event::SaveTo(path)));
+    ui.state_mut().apply(Event::Documents(crate::core::documents::DocumentEvent::SaveTo(path)));
     let setting = Setting::Known(Value::Int(5));
     let edit = Edit::SetInput { node: id("braid"), input: "strands".to_owned(), setting };
     ui.state_mut().apply(Event::Edit(edit));
@@ -281,8 +281,8 @@ fn what_was_saved_is_compared_with_what_was_made_of_it() {
     assert!(told.len() == 1 && told[0].ends_with("strands 3 to 5"), "{told:?}");
     // Another document is none to compare with.
     ui.state_mut().apply(Event::Edit(Edit::SetTitle("x".to_owned())));
-    ui.state_mut().apply(Event::Documents(crate::core::documents::Event::New(None)));
-    ui.state_mut().apply(Event::Documents(crate::core::documents::Event::Unsaved(
+    ui.state_mut().apply(Event::Documents(crate::core::documents::DocumentEvent::New(None)));
+    ui.state_mut().apply(Event::Documents(crate::core::documents::DocumentEvent::Unsaved(
         crate::core::documents::Unsaved::Discard,
     )));
     ui.run_steps(2);

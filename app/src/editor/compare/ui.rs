@@ -69,7 +69,7 @@ impl Compare {
     fn list(&mut self, mine: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         ui.horizontal_wrapped(|ui| {
             self.flip_button(ui, out);
-            let close = ui.button("End").on_hover_text("Shows your document alone again");
+            let close = ui.button("End").on_hover_text("Show your document alone again");
             if close.clicked() {
                 out.push(Event::Act("compare.end"));
             }
@@ -97,7 +97,7 @@ impl Compare {
                         Some(id) => {
                             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Wrap);
                             let line =
-                                ui.link(&line.text).on_hover_text("Shows it on both canvases");
+                                ui.link(&line.text).on_hover_text("Show it on both canvases");
                             if line.clicked() {
                                 chosen = Some(id.clone());
                             }
@@ -139,7 +139,7 @@ impl Compare {
     }
 
     fn flip_button(&self, ui: &mut Ui, out: &mut Vec<Event>) {
-        let tip = "Shows the other's hair with the same camera, or yours again (F8)";
+        let tip = "Switch between the other groom's hair and yours, with the same camera (F8)";
         let button = ui.selectable_label(self.flipped, "Its hair").on_hover_text(tip);
         if button.clicked() {
             out.push(Event::Act("compare.flip"));

@@ -1,7 +1,7 @@
 //! Questions that wait for an answer without being in the way, the export that goes on, and the one question that does
 //! stand in the way: about unsaved changes.
 
-use super::{Disk, Documents, Event as FileEvent, Left, Next, Unsaved, journal};
+use super::{Disk, DocumentEvent, Documents, Left, Next, Unsaved, journal};
 use crate::core::event::Event;
 use crate::core::state::State;
 use crate::editor::Editor;
@@ -23,12 +23,12 @@ pub(super) fn show(documents: &Documents, ui: &mut egui::Ui, out: &mut Vec<Event
                     ui.label(format!("There are {more} more."));
                 }
                 for (word, tip, answer) in [
-                    ("Restore", "Opens it as it was after the last step", Left::Restore),
-                    ("Keep for later", "Offers it again at the next start", Left::Keep),
-                    ("Discard", "Removes it for good", Left::Discard),
+                    ("Restore", "Open it as it was after the last step", Left::Restore),
+                    ("Keep for later", "Offer it again at the next start", Left::Keep),
+                    ("Discard", "Delete it for good", Left::Discard),
                 ] {
                     if ui.button(word).on_hover_text(tip).clicked() {
-                        out.push(Event::Documents(FileEvent::Left(at, answer)));
+                        out.push(Event::Documents(DocumentEvent::Left(at, answer)));
                     }
                 }
             });
@@ -50,12 +50,12 @@ pub(crate) fn changed(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) 
     ui.add(egui::Label::new(text).wrap());
     ui.horizontal_wrapped(|ui| {
         for (word, tip, answer) in [
-            ("Reload", "Opens the file as it is now", Disk::Reload),
-            ("Keep mine", "Saving replaces the file", Disk::Keep),
-            ("Compare", "Shows both side by side", Disk::Compare),
+            ("Reload", "Open the file as it is now", Disk::Reload),
+            ("Keep mine", "Keep your version; saving overwrites the file", Disk::Keep),
+            ("Compare", "Show both side by side", Disk::Compare),
         ] {
             if ui.button(word).on_hover_text(tip).clicked() {
-                out.push(Event::Documents(FileEvent::Disk(answer)));
+                out.push(Event::Documents(DocumentEvent::Disk(answer)));
             }
         }
     });
@@ -68,7 +68,7 @@ pub(crate) fn export_line(documents: &Documents, ui: &mut egui::Ui, out: &mut Ve
     let name = export.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stop = ui.button("Stop export").on_hover_text("Nothing is written");
     if stop.clicked() {
-        out.push(Event::Documents(FileEvent::StopExport));
+        out.push(Event::Documents(DocumentEvent::StopExport));
     }
     let (done, of) = going.done;
     let part = if of == 0 { 0.0 } else { done as f32 / of as f32 };
@@ -122,13 +122,13 @@ pub(super) fn unsaved(
             let answers: &[_] = if changed {
                 &[
                     ("Save", "Saves first", Unsaved::Save),
-                    ("Discard", "Goes on without saving", Unsaved::Discard),
-                    ("Cancel", "Goes back to the document", Unsaved::Cancel),
+                    ("Discard", "Continue without saving", Unsaved::Discard),
+                    ("Cancel", "Go back to the document", Unsaved::Cancel),
                 ]
             } else {
                 &[
-                    ("Close", "Stops the export", Unsaved::Discard),
-                    ("Cancel", "Goes back to the document", Unsaved::Cancel),
+                    ("Close", "Stop the export", Unsaved::Discard),
+                    ("Cancel", "Go back to the document", Unsaved::Cancel),
                 ]
             };
             for (word, tip, what) in answers.iter().copied() {
@@ -145,7 +145,7 @@ pub(super) fn unsaved(
     });
     let closed = modal.should_close().then_some(Unsaved::Cancel);
     if let Some(answer) = modal.inner.or(closed) {
-        out.push(Event::Documents(FileEvent::Unsaved(answer)));
+        out.push(Event::Documents(DocumentEvent::Unsaved(answer)));
     }
 }
 

@@ -32,7 +32,7 @@ struct Listing {
 }
 
 /// What came of a frame.
-pub(crate) enum Outcome {
+pub(crate) enum BrowserOutcome {
     /// It stays open.
     Open,
     /// Somebody chose.
@@ -76,8 +76,8 @@ impl Browser {
     }
 
     /// Shows it.
-    pub(crate) fn ui(&mut self, ctx: &egui::Context) -> Outcome {
-        let mut outcome = Outcome::Open;
+    pub(crate) fn ui(&mut self, ctx: &egui::Context) -> BrowserOutcome {
+        let mut outcome = BrowserOutcome::Open;
         let (mut open, mut enter) = (true, None);
         let purpose = self.question.purpose;
         panel::window(purpose.title(), "file browser", ctx)
@@ -92,7 +92,7 @@ impl Browser {
                     ui.horizontal(|ui| {
                         let up = self.folder.parent().map(Path::to_owned);
                         let button = ui.add_enabled(up.is_some(), Button::new("Up"));
-                        if button.on_hover_text("The folder that holds this one").clicked() {
+                        if button.on_hover_text("Parent folder").clicked() {
                             enter = up;
                         }
                         ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
@@ -107,7 +107,7 @@ impl Browser {
                             } else if !listing.is_done {
                                 ui.label("reading the folder…");
                             } else if listing.folders.is_empty() && listing.files.is_empty() {
-                                ui.label("nothing here that fits");
+                                ui.label("no matching files here");
                             }
                             for name in &listing.folders {
                                 if ui.selectable_label(false, format!("🗀 {name}")).clicked() {
@@ -120,7 +120,7 @@ impl Browser {
                                     self.typed.clone_from(name);
                                 }
                                 if line.double_clicked() {
-                                    outcome = Outcome::Chosen(listing.of.join(name));
+                                    outcome = BrowserOutcome::Chosen(listing.of.join(name));
                                 }
                             }
                         },
@@ -151,11 +151,11 @@ impl Browser {
                                 self.typed.clear();
                                 enter = Some(target);
                             } else {
-                                outcome = Outcome::Chosen(target);
+                                outcome = BrowserOutcome::Chosen(target);
                             }
                         }
                         if ui.button("Cancel").clicked() {
-                            outcome = Outcome::Closed;
+                            outcome = BrowserOutcome::Closed;
                         }
                     });
                 });
@@ -164,7 +164,7 @@ impl Browser {
             self.enter(folder);
         }
         if !open || ctx.input(|input| input.key_pressed(Key::Escape)) {
-            outcome = Outcome::Closed;
+            outcome = BrowserOutcome::Closed;
         }
         outcome
     }

@@ -11,7 +11,7 @@ use crate::jobs::export::{formats, left_out_of_abc, write_files};
 use crate::jobs::open::reads_all;
 use crate::jobs::progress::Tell;
 use crate::jobs::render::files::{self, Series};
-use crate::jobs::render::{self, Request};
+use crate::jobs::render::{self, RenderRequest};
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
 use coif_graphs::document::Document;
@@ -36,7 +36,7 @@ pub(crate) enum Content {
     /// All hair.
     Hair,
     /// A picture; the file is named apart.
-    Picture(Box<Request>),
+    Picture(Box<RenderRequest>),
 }
 
 /// How far an export is.
@@ -135,8 +135,10 @@ fn carry_out(
         Content::Picture(asked) => {
             let out = [path.to_owned()];
             let formats = files::formats(&out, Series::One)?;
-            let asked =
-                Request { files: out.into_iter().zip(formats).collect(), ..(**asked).clone() };
+            let asked = RenderRequest {
+                files: out.into_iter().zip(formats).collect(),
+                ..(**asked).clone()
+            };
             asked.claim(&mut files)?;
             render::draw(&asked, &opened, cancel, told, report, &mut files)?;
         }

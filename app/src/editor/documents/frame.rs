@@ -5,8 +5,8 @@ use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
 use super::remedies::with_remedy;
 use super::watch::Change;
-use super::{Browser, Event, bars, browser, home, own_head, welcome};
-use crate::core::event::Event as EditorEvent;
+use super::{Browser, DocumentEvent, bars, between_runs, browser, own_head, welcome};
+use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::state::State;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Before the rooms are shown.
 pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
     if ctx.input(|input| input.viewport().close_requested()) && !editor.documents.leaving {
-        editor.apply_to_file(Event::Close);
+        editor.apply_to_file(DocumentEvent::Close);
         if !editor.documents.leaving {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
         }
@@ -53,20 +53,20 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
             Ended::Done(words, warnings) => {
                 for warning in warnings {
                     if let Some(note) = warned(&editor.state, &warning) {
-                        editor.state.apply(EditorEvent::Say(note));
+                        editor.state.apply(Event::Say(note));
                     }
                 }
-                editor.state.apply(EditorEvent::Say(Note::done(words)));
+                editor.state.apply(Event::Say(Note::done(words)));
             }
             Ended::Failed(lines) => {
                 for line in lines {
-                    editor.state.apply(EditorEvent::Say(Note::error(with_remedy(&line, ""))));
+                    editor.state.apply(Event::Say(Note::error(with_remedy(&line, ""))));
                 }
             }
             Ended::Stopped => {
-                editor.state.apply(EditorEvent::Say(Note::done(
-                    "the export was stopped; nothing was written",
-                )));
+                editor
+                    .state
+                    .apply(Event::Say(Note::done("the export was stopped; nothing was written")));
             }
         }
         if editor.documents.closes_after_export {
@@ -94,10 +94,10 @@ fn warned(state: &State, warning: &str) -> Option<Note> {
 fn drop_file(editor: &mut Editor, path: &Path) {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let event = match ending.as_str() {
-        "ron" => Event::Open(path.to_owned()),
+        "ron" => DocumentEvent::Open(path.to_owned()),
         mesh if MESHES.contains(&mesh) || mesh.starts_with("usd") || mesh == "fbx" => {
             // What is not read is refused by the reader, which says what to do instead.
-            Event::Mesh(path.to_owned())
+            DocumentEvent::Mesh(path.to_owned())
         }
         _ => {
             let text = format!(
@@ -105,7 +105,7 @@ fn drop_file(editor: &mut Editor, path: &Path) {
                 path.display(),
                 MESHES.join(", .")
             );
-            return editor.state.apply(EditorEvent::Say(Note::warning(text)));
+            return editor.state.apply(Event::Say(Note::warning(text)));
         }
     };
     editor.apply_to_file(event);
@@ -121,7 +121,7 @@ fn changed(editor: &mut Editor, change: &Change) {
         if gone {
             editor.documents.changed = false;
             let text = format!("{shown} is not there any more; saving writes it again");
-            editor.state.apply(EditorEvent::Say(Note::warning(text)));
+            editor.state.apply(Event::Say(Note::warning(text)));
         } else {
             editor.documents.changed = true;
         }
@@ -131,7 +131,7 @@ fn changed(editor: &mut Editor, change: &Change) {
     editor.state.revision += 1;
     let text =
         if gone { "is not there any more" } else { "changed on the disk and was read again" };
-    editor.state.apply(EditorEvent::Say(Note::done(format!("{shown} {text}"))));
+    editor.state.apply(Event::Say(Note::done(format!("{shown} {text}"))));
 }
 
 /// Bars under the menu, and windows. What they say is applied at once.
@@ -157,15 +157,15 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
     }
     let outcome = editor.documents.browser.as_mut().map(|browser| browser.ui(&ctx));
     match outcome {
-        Some(browser::Outcome::Chosen(path)) => {
+        Some(browser::BrowserOutcome::Chosen(path)) => {
             editor.documents.browser = None;
             editor.answered(Some(path));
         }
-        Some(browser::Outcome::Closed) => {
+        Some(browser::BrowserOutcome::Closed) => {
             editor.documents.browser = None;
             editor.answered(None);
         }
-        Some(browser::Outcome::Open) | None => {}
+        Some(browser::BrowserOutcome::Open) | None => {}
     }
 }
 
@@ -177,7 +177,7 @@ pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
         editor.documents.frames = None;
         editor.act("view.frame_all");
     }
-    home::heed_settings(editor, ctx);
+    between_runs::heed_settings(editor, ctx);
     save_by_itself(editor, ctx);
     editor.tell_journal();
     let state = &editor.state;

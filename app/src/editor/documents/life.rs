@@ -1,19 +1,21 @@
-//! The life of a document: new, opened, saved, restored, closed. What [`super::Event`]s do.
+//! The life of a document: new, opened, saved, restored, closed. What [`super::DocumentEvent`]s do.
 
 use super::dialogs::Question;
 use super::export::{Content, Export};
 use super::journal::About;
 use super::remedies::with_remedy;
 use super::watch::hash_of;
-use super::{Asking, Disk, Event, HeadChoice, Left, Next, Unsaved, journal, own_head, paths};
+use super::{
+    Asking, Disk, DocumentEvent, HeadChoice, Left, Next, Unsaved, journal, own_head, paths,
+};
 use crate::core::documents::Purpose;
-use crate::core::event::Event as EditorEvent;
+use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::state::OpenFile;
 use crate::editor::Editor;
 use crate::files::{MOST_DOCUMENT, Role, Together, read_at_most};
-use crate::jobs::render::Request;
+use crate::jobs::render::RenderRequest;
 use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
@@ -37,43 +39,43 @@ pub(crate) fn empty_head() -> Document {
 
 impl Editor {
     /// Does what happened to the document as a whole.
-    pub(crate) fn apply_to_file(&mut self, event: Event) {
+    pub(crate) fn apply_to_file(&mut self, event: DocumentEvent) {
         match event {
-            Event::New(groom) => self.after_question(Next::New(groom)),
-            Event::Begin(action) => self.after_question(Next::Begin(action)),
-            Event::Open(path) => self.after_question(Next::Open(path)),
-            Event::Close => self.after_question(Next::Close),
-            Event::Save => self.save(),
-            Event::SaveTo(path) => {
+            DocumentEvent::New(groom) => self.after_question(Next::New(groom)),
+            DocumentEvent::Begin(action) => self.after_question(Next::Begin(action)),
+            DocumentEvent::Open(path) => self.after_question(Next::Open(path)),
+            DocumentEvent::Close => self.after_question(Next::Close),
+            DocumentEvent::Save => self.save(),
+            DocumentEvent::SaveTo(path) => {
                 if self.save_to(&path)
                     && let Some(next) = self.documents.after_save.take()
                 {
                     self.go_on(next);
                 }
             }
-            Event::Ask(purpose) => self.ask(purpose, None),
-            Event::Find(node, input) => self.ask(Purpose::Find, Some((node, input))),
-            Event::Mesh(path) => self.try_mesh(&path),
-            Event::Head(choice) => self.head_chosen(choice),
-            Event::Export(path) => self.export(Content::Hair, path),
-            Event::Picture(path, size) => self.picture(path, size),
-            Event::CompareWithSaved => self.compare_with_saved(),
-            Event::Flip => self.flip(),
-            Event::EndCompare => self.end_compare(),
-            Event::StopExport => {
+            DocumentEvent::Ask(purpose) => self.ask(purpose, None),
+            DocumentEvent::Find(node, input) => self.ask(Purpose::Find, Some((node, input))),
+            DocumentEvent::Mesh(path) => self.try_mesh(&path),
+            DocumentEvent::Head(choice) => self.head_chosen(choice),
+            DocumentEvent::Export(path) => self.export(Content::Hair, path),
+            DocumentEvent::Picture(path, size) => self.picture(path, size),
+            DocumentEvent::CompareWithSaved => self.compare_with_saved(),
+            DocumentEvent::Flip => self.flip(),
+            DocumentEvent::EndCompare => self.end_compare(),
+            DocumentEvent::StopExport => {
                 if let Some(export) = &self.documents.export {
                     export.stop();
                 }
             }
-            Event::Unsaved(answer) => self.unsaved(answer),
-            Event::Disk(answer) => self.changed_on_disk(answer),
-            Event::Left(at, answer) => self.left(at, answer),
-            Event::Forget(path) => {
+            DocumentEvent::Unsaved(answer) => self.unsaved(answer),
+            DocumentEvent::Disk(answer) => self.changed_on_disk(answer),
+            DocumentEvent::Left(at, answer) => self.left(at, answer),
+            DocumentEvent::Forget(path) => {
                 if let Err(why) = self.documents.recent.remove(&path) {
-                    self.state.apply(EditorEvent::Say(Note::warning(why)));
+                    self.state.apply(Event::Say(Note::warning(why)));
                 }
             }
-            Event::Welcome(open) => {
+            DocumentEvent::Welcome(open) => {
                 self.documents.welcome.is_open = open;
                 if open {
                     let wake = self.documents.wake.clone();
@@ -85,7 +87,7 @@ impl Editor {
 
     /// Does something that loses the document: at once, or after a question where something is unsaved.
     fn after_question(&mut self, next: Next) {
-        self.state.apply(EditorEvent::End);
+        self.state.apply(Event::End);
         let exports = next == Next::Close && self.documents.export.is_some();
         if self.state.history.is_changed() || exports {
             self.documents.unsaved = Some(next);
@@ -125,7 +127,7 @@ impl Editor {
     fn put(&mut self, document: Document, file: OpenFile, history: History) {
         self.replace(document, file, history);
         // What was said is about the one before.
-        self.state.apply(EditorEvent::Hush);
+        self.state.apply(Event::Hush);
         self.documents.changed = false;
         self.documents.head = None;
         self.documents.frames = Some(self.state.revision);
@@ -139,11 +141,11 @@ impl Editor {
             Some(name) => match grooms::by_name(name).map(file::read) {
                 Some(Ok(loaded)) => loaded.document,
                 Some(Err(err)) => {
-                    return self.state.apply(EditorEvent::Say(Note::error(err.of_file(name))));
+                    return self.state.apply(Event::Say(Note::error(err.of_file(name))));
                 }
                 None => {
                     let text = format!("there is no shipped groom {name:?}");
-                    return self.state.apply(EditorEvent::Say(Note::error(text)));
+                    return self.state.apply(Event::Say(Note::error(text)));
                 }
             },
         };
@@ -157,7 +159,7 @@ impl Editor {
         let (loaded, hash) = match read(&path) {
             Ok(read) => read,
             Err(why) => {
-                self.state.apply(EditorEvent::Say(Note::error(format!("not opened: {why}"))));
+                self.state.apply(Event::Say(Note::error(format!("not opened: {why}"))));
                 return false;
             }
         };
@@ -165,12 +167,12 @@ impl Editor {
         self.put(loaded.document, OpenFile::at(path.clone()), History::new());
         self.remember(&path);
         for warning in &loaded.warnings {
-            self.state.apply(EditorEvent::Say(Note::warning(warning.of_file(&shown))));
+            self.state.apply(Event::Say(Note::warning(warning.of_file(&shown))));
         }
         self.tell_conflicts(&shown);
         for comment in &loaded.dropped_comments {
             let text = format!("{} (saving drops this comment)", comment.of_file(&shown));
-            self.state.apply(EditorEvent::Say(Note::warning(text)));
+            self.state.apply(Event::Say(Note::warning(text)));
         }
         true
     }
@@ -181,20 +183,20 @@ impl Editor {
         if left > 0 {
             let left = crate::words::counted(left, "conflict");
             let text = format!("{shown}: {left} of a merge left to decide, in the messages");
-            self.state.apply(EditorEvent::Say(Note::warning(text)));
+            self.state.apply(Event::Say(Note::warning(text)));
             self.apply(crate::core::event::Event::Show(Room::Messages));
         }
     }
 
     fn remember(&mut self, path: &Path) {
         if let Err(why) = self.documents.recent.add(path) {
-            self.state.apply(EditorEvent::Say(Note::warning(why)));
+            self.state.apply(Event::Say(Note::warning(why)));
         }
     }
 
     fn save(&mut self) {
         match self.state.file.path.clone() {
-            Some(path) => self.apply_to_file(Event::SaveTo(path)),
+            Some(path) => self.apply_to_file(DocumentEvent::SaveTo(path)),
             None => self.ask(Purpose::Save, None),
         }
     }
@@ -216,7 +218,7 @@ impl Editor {
             documents.watched = before;
             documents.after_save = None;
             let why = with_remedy(&why, "choose another place with Save as");
-            state.apply(EditorEvent::Say(Note::error(format!("not saved: {why}"))));
+            state.apply(Event::Say(Note::error(format!("not saved: {why}"))));
             return false;
         }
         history.mark_saved(&document);
@@ -230,7 +232,7 @@ impl Editor {
         (state.document, state.history, state.file) = (document, history, file);
         documents.changed = false;
         documents.saved_at = state.now;
-        state.apply(EditorEvent::Say(Note::done(format!("saved {}", path.display()))));
+        state.apply(Event::Say(Note::done(format!("saved {}", path.display()))));
         self.remember(&path);
         true
     }
@@ -270,9 +272,9 @@ impl Editor {
         };
         self.documents.last_folder = path.parent().map(Path::to_owned);
         match (purpose, input) {
-            (Purpose::Open, _) => self.apply_to_file(Event::Open(path)),
+            (Purpose::Open, _) => self.apply_to_file(DocumentEvent::Open(path)),
             (Purpose::Compare, _) => self.compare_with(&path),
-            (Purpose::Save, _) => self.apply_to_file(Event::SaveTo(path)),
+            (Purpose::Save, _) => self.apply_to_file(DocumentEvent::SaveTo(path)),
             (Purpose::Export, _) => self.export(Content::Hair, path),
             (Purpose::Picture, _) => self.picture(path, PICTURE),
             (Purpose::Find, Some((node, input))) => {
@@ -300,7 +302,7 @@ impl Editor {
     }
 
     fn picture(&mut self, path: PathBuf, size: [u32; 2]) {
-        let asked = Request {
+        let asked = RenderRequest {
             size,
             cameras: vec![PRESENT.to_owned()],
             samples: self.state.settings.samples,
@@ -312,7 +314,7 @@ impl Editor {
     fn export(&mut self, content: Content, path: PathBuf) {
         if self.documents.export.is_some() {
             let text = "an export goes on; stop it or wait for its end";
-            return self.state.apply(EditorEvent::Say(Note::warning(text)));
+            return self.state.apply(Event::Say(Note::warning(text)));
         }
         let wake = self.documents.wake.clone();
         let file = self.state.file.clone();
@@ -326,7 +328,7 @@ impl Editor {
         let allow_large = self.state.allow_large;
         match Export::start(content, document, file, allow_large, path, move || wake()) {
             Ok(export) => self.documents.export = Some(export),
-            Err(why) => self.state.apply(EditorEvent::Say(Note::error(why))),
+            Err(why) => self.state.apply(Event::Say(Note::error(why))),
         }
     }
 
@@ -336,10 +338,8 @@ impl Editor {
             Disk::Keep => self.documents.changed = false,
             Disk::Reload => {
                 if self.open(&path) {
-                    self.state.apply(EditorEvent::Say(Note::done(format!(
-                        "opened again: {}",
-                        path.display()
-                    ))));
+                    self.state
+                        .apply(Event::Say(Note::done(format!("opened again: {}", path.display()))));
                 }
             }
             Disk::Compare => self.compare_with_disk(),
@@ -366,7 +366,7 @@ impl Editor {
         let text = format!("restored {}: it is not saved yet", left.about.name);
         // What was restored differs from its file, whatever was done to it since.
         self.put(left.document.clone(), file, History::default());
-        self.state.apply(EditorEvent::Say(Note::done(text)));
+        self.state.apply(Event::Say(Note::done(text)));
         self.tell_journal();
         if let Some(journal) = &self.documents.journal {
             journal.forget(left);
@@ -378,9 +378,8 @@ impl Editor {
         let (state, documents) = (&self.state, &self.documents);
         let Some(journal) = &documents.journal else { return };
         if let Some(why) = journal.fault() {
-            self.state.apply(EditorEvent::Say(Note::warning(format!(
-                "the last step is not safe: {why}"
-            ))));
+            self.state
+                .apply(Event::Say(Note::warning(format!("the last step is not safe: {why}"))));
             return;
         }
         let now = (state.changes, state.file.path.clone(), state.history.is_changed());

@@ -9,11 +9,11 @@
 
 pub(crate) mod actions;
 mod bars;
+mod between_runs;
 mod browser;
 pub(crate) mod dialogs;
 mod export;
 mod frame;
-mod home;
 mod journal;
 pub(crate) mod kept;
 pub(crate) mod life;
@@ -26,7 +26,7 @@ mod tests;
 mod watch;
 mod welcome;
 
-use crate::core::documents::{Disk, Event, HeadChoice, Left, Unsaved};
+use crate::core::documents::{Disk, DocumentEvent, HeadChoice, Left, Unsaved};
 use crate::core::settings::Settings;
 use crate::places::Places;
 use browser::Browser;

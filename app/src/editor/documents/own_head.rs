@@ -4,7 +4,7 @@
 //! was done in between. What the head node finds (sphere, axes, units, hairline) is told in its own words.
 
 use super::life::head_of;
-use crate::core::documents::{Event as FileEvent, HeadChoice, Placing};
+use crate::core::documents::{DocumentEvent, HeadChoice, Placing};
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::state::{Select, State};
@@ -208,7 +208,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                     ui.label("Turn");
                     ui.horizontal(|ui| {
                         for (by, name) in [(-90.0, "-90°"), (90.0, "+90°")] {
-                            if ui.button(name).on_hover_text("Turns about the up axis").clicked() {
+                            if ui.button(name).on_hover_text("Rotate about the up axis").clicked() {
                                 placing.turn = wrapped(placing.turn + by);
                             }
                         }
@@ -251,7 +251,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                     ui.end_row();
                     ui.label("No human head");
                     ui.checkbox(&mut placing.no_head, "keep the file's own axes").on_hover_text(
-                        "For animals and things: no sphere is fitted, and hair may grow everywhere",
+                        "For animals and props: no cranium is fitted, and hair may grow everywhere",
                     );
                     ui.end_row();
                 });
@@ -264,16 +264,12 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                 ui.horizontal(|ui| {
                     if ui
                         .add(Button::new("Accept"))
-                        .on_hover_text("The head stays as it is")
+                        .on_hover_text("Keep the head as it is")
                         .clicked()
                     {
                         choice = Some(HeadChoice::Accept);
                     }
-                    if ui
-                        .button("Cancel")
-                        .on_hover_text("The head from before comes back")
-                        .clicked()
-                    {
+                    if ui.button("Cancel").on_hover_text("Restore the previous head").clicked() {
                         choice = Some(HeadChoice::Cancel);
                     }
                 });
@@ -282,7 +278,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
     if choice.is_none() && (placing != head.placing || drags != state.gesture) {
         choice = Some(HeadChoice::Try(placing, drags));
     }
-    out.extend(choice.map(|choice| Event::Documents(FileEvent::Head(choice))));
+    out.extend(choice.map(|choice| Event::Documents(DocumentEvent::Head(choice))));
 }
 
 /// A tick for each part of the mesh. What looks like hair stands first and says so; nothing is ticked by itself.
@@ -309,7 +305,7 @@ fn leave_out(parts: &[Part], placing: &mut Placing, ui: &mut egui::Ui) {
 }
 
 const LEAVE_OUT: &str =
-    "left out, it is no skin, no hair grows on it, and the sphere is not fitted to it";
+    "leave it out: no hair grows on it, it is not skin, and the cranium is not fitted to it";
 /// A longer name is told by hovering.
 const MOST_LETTERS: usize = 32;
 
@@ -320,8 +316,8 @@ fn is_level(axis: &str, up: &str) -> bool {
 }
 
 const FIND_SCALE: &str =
-    "Takes the units that the file states, else those that make the cranium a person's";
-const FIND_SPHERE: &str = "Takes the sphere that fits the cranium best";
+    "Use the units that the file states, or those that give the cranium a human size";
+const FIND_SPHERE: &str = "Use the best-fitting sphere of the cranium";
 
 fn wrapped(degrees: f32) -> f32 {
     if degrees > 180.0 {

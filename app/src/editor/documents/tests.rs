@@ -5,7 +5,7 @@ use super::dialogs::Answer;
 use super::dialogs::fake::Fake;
 use super::journal::leftovers;
 use super::life;
-use crate::core::documents::{Event as FileEvent, Purpose};
+use crate::core::documents::{DocumentEvent, Purpose};
 use crate::core::event::Event;
 use crate::core::notes::Gravity;
 use crate::core::state::OpenFile;
@@ -44,7 +44,7 @@ fn act(ui: &mut Ui, id: &str) {
     ui.step();
 }
 
-fn does(ui: &mut Ui, event: FileEvent) {
+fn does(ui: &mut Ui, event: DocumentEvent) {
     ui.state_mut().apply(Event::Documents(event));
     ui.step();
     ui.step();
@@ -119,12 +119,12 @@ fn saving_elsewhere_keeps_meshes_found_and_a_failed_save_changes_nothing() {
         Setting::Known(Value::Text(path)) => path.to_string(),
         other => panic!("{other:?}"),
     };
-    does(&mut ui, FileEvent::SaveTo(folder.path("a.ron")));
+    does(&mut ui, DocumentEvent::SaveTo(folder.path("a.ron")));
     assert_eq!(path(&folder.path("a.ron")), "head.obj");
-    does(&mut ui, FileEvent::SaveTo(folder.path("deep/a.ron")));
+    does(&mut ui, DocumentEvent::SaveTo(folder.path("deep/a.ron")));
     assert_eq!(path(&folder.path("deep/a.ron")), "../head.obj");
     let before = ui.state().state.document.clone();
-    does(&mut ui, FileEvent::SaveTo(folder.path("nowhere/a.ron")));
+    does(&mut ui, DocumentEvent::SaveTo(folder.path("nowhere/a.ron")));
     assert_eq!(said(&ui, Gravity::Error).len(), 1);
     assert_eq!(ui.state().state.document, before);
     assert_eq!(ui.state().state.file.path, Some(folder.path("deep/a.ron")));
@@ -187,11 +187,11 @@ fn every_shipped_groom_and_the_empty_head_begin_new_documents() {
     act(&mut ui, "file.new");
     assert!(ui.state().documents.shows_welcome());
     for (name, text) in coif_graphs::grooms::ALL {
-        does(&mut ui, FileEvent::New(Some(name)));
+        does(&mut ui, DocumentEvent::New(Some(name)));
         assert_eq!(ui.state().state.document, file::read(text).unwrap().document);
         assert!(!is_changed(&ui) && ui.state().state.file.path.is_none());
     }
-    does(&mut ui, FileEvent::New(None));
+    does(&mut ui, DocumentEvent::New(None));
     assert_eq!(ui.state().state.document, life::empty_head());
     assert!(coif_graphs::document::graph::check(&life::empty_head()).is_empty());
 }
@@ -333,7 +333,7 @@ fn a_file_that_others_change_is_told_and_reloaded_kept_or_compared() {
     let folder = Folder::new("life-disk");
     let path = folder.path("a.ron");
     let (mut ui, _) = on_empty_head();
-    does(&mut ui, FileEvent::SaveTo(path.clone()));
+    does(&mut ui, DocumentEvent::SaveTo(path.clone()));
     std::thread::sleep(std::time::Duration::from_millis(1200));
     ui.step();
     assert!(!ui.state().documents.is_changed_on_disk(), "what we saved is no news");
@@ -390,8 +390,8 @@ fn hostile_files_are_told_and_change_nothing() {
         assert_eq!(told.len(), i + 1, "{told:?}");
         assert!(told[i].contains(&format!("{i}.ron")), "{told:?}");
     }
-    does(&mut ui, FileEvent::Open(folder.root().to_owned()));
-    does(&mut ui, FileEvent::Open(folder.path("none.ron")));
+    does(&mut ui, DocumentEvent::Open(folder.root().to_owned()));
+    does(&mut ui, DocumentEvent::Open(folder.path("none.ron")));
     assert_eq!(said(&ui, Gravity::Error).len(), texts.len() + 2);
     assert_eq!(ui.state().state.document, before);
 }
@@ -429,7 +429,7 @@ fn a_document_with_a_file_is_saved_by_itself_when_somebody_wants_that() {
     let folder = Folder::new("life-itself");
     let path = folder.path("a.ron");
     let (mut ui, _) = on_empty_head();
-    does(&mut ui, FileEvent::SaveTo(path.clone()));
+    does(&mut ui, DocumentEvent::SaveTo(path.clone()));
     let long_ago = |ui: &mut Ui| {
         ui.state_mut().documents.saved_at = -1e6;
         ui.step();
@@ -501,7 +501,7 @@ fn what_the_window_exports_is_what_the_command_line_writes() {
     );
     few_guides(&mut ui);
     let (saved, ours) = (folder.path("guides.ron"), folder.path("window.usdc"));
-    does(&mut ui, FileEvent::SaveTo(saved.clone()));
+    does(&mut ui, DocumentEvent::SaveTo(saved.clone()));
     fake.answers(Answer::Chosen(ours.clone()));
     act(&mut ui, "file.export");
     until("it is written", || {
@@ -532,7 +532,7 @@ fn a_picture_is_drawn_of_what_the_viewport_looks_at() {
     settings.samples = 1;
     ui.state_mut().apply(Event::Settings(Box::new(settings)));
     let path = folder.path("a.png");
-    does(&mut ui, FileEvent::Picture(path.clone(), [64, 48]));
+    does(&mut ui, DocumentEvent::Picture(path.clone(), [64, 48]));
     until("it is drawn", || {
         ui.step();
         ui.state().documents.export.is_none()
@@ -553,9 +553,9 @@ fn a_picture_is_drawn_of_what_the_viewport_looks_at() {
 fn a_stopped_or_refused_export_leaves_no_file() {
     let folder = Folder::new("life-export-stop");
     let (mut ui, _) = on_empty_head();
-    does(&mut ui, FileEvent::New(Some("cornrows")));
-    does(&mut ui, FileEvent::Export(folder.path("a.usdc")));
-    does(&mut ui, FileEvent::StopExport);
+    does(&mut ui, DocumentEvent::New(Some("cornrows")));
+    does(&mut ui, DocumentEvent::Export(folder.path("a.usdc")));
+    does(&mut ui, DocumentEvent::StopExport);
     until("it is stopped", || {
         ui.step();
         ui.state().documents.export.is_none()
@@ -565,7 +565,7 @@ fn a_stopped_or_refused_export_leaves_no_file() {
         "the export was stopped; nothing was written"
     );
     // Closing asks, stops it, and waits until its things are put away.
-    does(&mut ui, FileEvent::Export(folder.path("b.usdc")));
+    does(&mut ui, DocumentEvent::Export(folder.path("b.usdc")));
     assert!(close_requested(&mut ui).contains(&ViewportCommand::CancelClose));
     ui.step();
     press(&mut ui, "Cancel");
@@ -579,7 +579,7 @@ fn a_stopped_or_refused_export_leaves_no_file() {
         closed
     });
     assert!(ui.state().documents.export.is_none());
-    does(&mut ui, FileEvent::Export(folder.path("a.fbx")));
+    does(&mut ui, DocumentEvent::Export(folder.path("a.fbx")));
     until("it is refused", || {
         ui.step();
         ui.state().documents.export.is_none()
@@ -600,14 +600,14 @@ fn what_is_read_or_read_only_is_not_written_over_and_links_stay() {
     let head = life::head_of(&ui.state().state.document, None).unwrap();
     let link = folder.path("link.ron");
     symlink("real.ron", &link).unwrap();
-    does(&mut ui, FileEvent::SaveTo(link.clone()));
+    does(&mut ui, DocumentEvent::SaveTo(link.clone()));
     assert!(link.is_symlink() && folder.path("real.ron").is_file());
     let setting = Setting::Known(Value::Text("head.obj".into()));
     edit(&mut ui, Edit::SetInput { node: head, input: "mesh".into(), setting });
-    does(&mut ui, FileEvent::Save);
+    does(&mut ui, DocumentEvent::Save);
     let saved = std::fs::read_to_string(folder.path("real.ron")).unwrap();
     assert!(saved.contains("head.obj") && link.is_symlink());
-    let mut refused = |event: FileEvent, why: &str| {
+    let mut refused = |event: DocumentEvent, why: &str| {
         does(&mut ui, event);
         until("it ends", || {
             ui.step();
@@ -619,12 +619,12 @@ fn what_is_read_or_read_only_is_not_written_over_and_links_stay() {
         assert_eq!(std::fs::read_to_string(folder.path("real.ron")).unwrap(), saved);
     };
     symlink("head.obj", folder.path("mesh.ron")).unwrap();
-    refused(FileEvent::SaveTo(folder.path("mesh.ron")), "which is read");
+    refused(DocumentEvent::SaveTo(folder.path("mesh.ron")), "which is read");
     std::fs::hard_link(folder.path("real.ron"), folder.path("a.usdc")).unwrap();
-    refused(FileEvent::Export(folder.path("a.usdc")), "which is read");
+    refused(DocumentEvent::Export(folder.path("a.usdc")), "which is read");
     let locked = std::fs::Permissions::from_mode(0o444);
     std::fs::set_permissions(folder.path("real.ron"), locked).unwrap();
-    refused(FileEvent::Save, "is read-only; choose another name");
+    refused(DocumentEvent::Save, "is read-only; choose another name");
 }
 
 #[test]
@@ -683,7 +683,7 @@ fn settings_and_layout_are_kept_and_damaged_ones_are_told() {
     ui.step();
     ui.step();
     assert_eq!(ui.ctx.zoom_factor(), 1.5);
-    does(&mut ui, FileEvent::Close);
+    does(&mut ui, DocumentEvent::Close);
     drop(ui);
     let (mut ui, _) = on_empty_head();
     ui.state_mut().keep_in(&ctx, home.clone());
@@ -740,7 +740,7 @@ fn what_a_crash_left_is_offered_restored_kept_or_discarded() {
     assert!(seeds().is_empty());
     // What was saved or closed as somebody wanted is not offered.
     edit(&mut ui, Edit::SetSeed(12));
-    does(&mut ui, FileEvent::SaveTo(folder.path("saved.ron")));
+    does(&mut ui, DocumentEvent::SaveTo(folder.path("saved.ron")));
     until("it is safe", || ui.state().documents.is_safe());
     drop(ui);
     assert!(seeds().is_empty());
@@ -836,7 +836,7 @@ fn saving_and_exporting_begin_in_the_grooms_folder() {
     let (heads, grooms) = (Folder::new("life-heads"), Folder::new("life-grooms"));
     std::fs::write(heads.path("head.obj"), bust_with_a_bun()).unwrap();
     let (mut ui, fake) = on_empty_head();
-    does(&mut ui, FileEvent::SaveTo(grooms.path("a.ron")));
+    does(&mut ui, DocumentEvent::SaveTo(grooms.path("a.ron")));
     // Another folder was the last that anybody chose in.
     fake.answers(Answer::Chosen(heads.path("head.obj")));
     act(&mut ui, "file.head");

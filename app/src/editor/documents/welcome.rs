@@ -1,7 +1,7 @@
 //! The welcome panel: shipped grooms with pictures, the empty head, one's own head, and what was open lately. It never blocks
 //! anything.
 
-use super::Event as FileEvent;
+use super::DocumentEvent;
 use super::recent::Recent;
 use crate::core::documents::Purpose;
 use crate::core::event::Event;
@@ -80,7 +80,7 @@ pub(super) fn window(
         return;
     }
     let mut said = vec![];
-    let mut say = |event: FileEvent| said.push(event);
+    let mut say = |event: DocumentEvent| said.push(event);
     let mut tour = false;
     let (mut open, mut shows) = (true, state.settings.welcome);
     let place = beside(panel::room(ctx), picture_at);
@@ -99,17 +99,17 @@ pub(super) fn window(
                     ui.horizontal_wrapped(|ui| {
                         let button = ui.button("Empty head").on_hover_text("A head without hair");
                         if button.clicked() {
-                            say(FileEvent::New(None));
+                            say(DocumentEvent::New(None));
                         }
                         let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
                         if ui.button("Your own head…").on_hover_text(tip).clicked() {
-                            say(FileEvent::Ask(Purpose::Mesh));
+                            say(DocumentEvent::Ask(Purpose::Mesh));
                         }
                         if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
-                            say(FileEvent::Ask(Purpose::Open));
+                            say(DocumentEvent::Ask(Purpose::Open));
                         }
                         let tip =
-                            "Five minutes on the cornrows: look round, draw, braid, part, save";
+                            "Five minutes on the cornrows: look around, draw, braid, part, save";
                         tour = ui.button("Take the tour").on_hover_text(tip).clicked();
                     });
                     ui.label(
@@ -117,11 +117,11 @@ pub(super) fn window(
                             .weak(),
                     );
                     ui.add_space(8.0);
-                    ui.heading("Draw").on_hover_text("A head, and the pen in hand");
+                    ui.heading("Draw").on_hover_text("An empty head with the pen ready to draw");
                     ui.horizontal_wrapped(|ui| {
                         for recipe in recipes::ALL.iter().filter(|it| it.is_drawn()) {
                             if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
-                                say(FileEvent::Begin(recipe.action));
+                                say(DocumentEvent::Begin(recipe.action));
                             }
                         }
                     });
@@ -130,14 +130,14 @@ pub(super) fn window(
                     let wide = ui.available_width() - SCROLL_BAR;
                     let columns = (wide / (SIZE.x * 0.75)).floor().max(1.0);
                     let size = SIZE * ((wide / columns - CARD.x) / SIZE.x).clamp(0.25, 1.0);
-                    ui.heading("Recipes").on_hover_text("Hair on an empty head, to go on from");
+                    ui.heading("Recipes").on_hover_text("Start with this hair on an empty head");
                     ui.horizontal_wrapped(|ui| {
                         // Templates have square pictures.
                         let size = Vec2::splat(size.y);
                         for recipe in recipes::ALL.iter().filter(|it| !it.is_drawn()) {
                             let picture = of_template(&mut welcome.pictures, recipe, ctx);
                             if card(ui, recipe.tip, recipe.label, picture, size) {
-                                say(FileEvent::Begin(recipe.action));
+                                say(DocumentEvent::Begin(recipe.action));
                             }
                         }
                     });
@@ -151,7 +151,7 @@ pub(super) fn window(
                             let title = title_of(text);
                             let tip = format!("A new groom like {title}");
                             if card(ui, &tip, title, picture, size) {
-                                say(FileEvent::New(Some(name)));
+                                say(DocumentEvent::New(Some(name)));
                             }
                         }
                     });
@@ -161,7 +161,7 @@ pub(super) fn window(
             })
         });
     if tour {
-        said.push(FileEvent::New(Some("cornrows")));
+        said.push(DocumentEvent::New(Some("cornrows")));
     }
     out.extend(said.into_iter().map(Event::Documents));
     if tour {
@@ -172,11 +172,11 @@ pub(super) fn window(
         out.push(Event::Settings(Box::new(settings)));
     }
     if !open {
-        out.push(Event::Documents(FileEvent::Welcome(false)));
+        out.push(Event::Documents(DocumentEvent::Welcome(false)));
     }
 }
 
-fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(FileEvent)) {
+fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(DocumentEvent)) {
     if recent.files().is_empty() {
         return;
     }
@@ -190,12 +190,12 @@ fn recent_files(recent: &Recent, ui: &mut egui::Ui, say: &mut dyn FnMut(FileEven
             let line = ui.add_enabled(!missing, Button::new(words).frame(false));
             let shown = path.display().to_string();
             if line.on_hover_text(&shown).on_disabled_hover_text(&shown).clicked() {
-                say(FileEvent::Open(path.clone()));
+                say(DocumentEvent::Open(path.clone()));
             }
             if missing
-                && ui.small_button("Forget").on_hover_text("Takes it off this list").clicked()
+                && ui.small_button("Forget").on_hover_text("Remove it from this list").clicked()
             {
-                say(FileEvent::Forget(path.clone()));
+                say(DocumentEvent::Forget(path.clone()));
             }
         });
     }

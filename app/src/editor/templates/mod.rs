@@ -2,39 +2,39 @@
 
 mod upgrade;
 
-use crate::core::event::Event as EditorEvent;
+use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::state::Select;
-use crate::core::templates::{Event, Listed, Which};
+use crate::core::templates::{Listed, TemplateEvent, Which};
 use crate::editor::Editor;
 use crate::files::Together;
 use crate::jobs::thumbnail;
-use crate::library::{self, Entry};
-use crate::rooms::templates::at_work::{Purpose, Reading};
+use crate::library::{self, LibraryEntry};
+use crate::rooms::templates::at_work::{ReadPurpose, Reading};
 use coif_graphs::document::Point;
 use coif_graphs::grooms;
 use coif_graphs::schedule::run::{CancelToken, Quiet};
-use coif_graphs::template::{self, Added, Place};
+use coif_graphs::template::{self, Added, Placement};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 impl Editor {
     /// Something happens to templates.
-    pub(crate) fn apply_to_templates(&mut self, event: Event) {
+    pub(crate) fn apply_to_templates(&mut self, event: TemplateEvent) {
         match event {
-            Event::Add { template: Which(listed), at } => {
-                self.read_listed(&listed, Purpose::Add(at));
+            TemplateEvent::Add { template: Which(listed), at } => {
+                self.read_listed(&listed, ReadPurpose::Add(at));
             }
-            Event::Compare { id, template } => self.show_fates(id, template),
-            Event::Upgrade => self.upgrade(),
-            Event::NotNow => self.state.offer = None,
-            Event::Keep { id, kept } => self.keep_version(&id, kept),
-            Event::Thumbnail(path) => self.make_thumbnail(path),
+            TemplateEvent::Compare { id, template } => self.show_fates(id, template),
+            TemplateEvent::Upgrade => self.upgrade(),
+            TemplateEvent::NotNow => self.state.offer = None,
+            TemplateEvent::Keep { id, kept } => self.keep_version(&id, kept),
+            TemplateEvent::Thumbnail(path) => self.make_thumbnail(path),
         }
     }
 
     /// Reads a template for a purpose: what comes with coif at once, a file on a thread.
-    pub(super) fn read_listed(&mut self, listed: &Listed, purpose: Purpose) {
+    pub(super) fn read_listed(&mut self, listed: &Listed, purpose: ReadPurpose) {
         let Some(path) = listed.path.clone() else {
             let name = &listed.origin.name;
             let text = grooms::TEMPLATES.iter().find(|(known, _)| known == name);
@@ -51,39 +51,39 @@ impl Editor {
         });
         match begun {
             Ok(_) => self.templates.at_work.reading = Some(reading),
-            Err(why) => self.apply(EditorEvent::Say(Note::error(why.to_string()))),
+            Err(why) => self.apply(Event::Say(Note::error(why.to_string()))),
         }
     }
 
-    fn take_read(&mut self, read: Result<Entry, String>, purpose: Purpose) {
+    fn take_read(&mut self, read: Result<LibraryEntry, String>, purpose: ReadPurpose) {
         match (read, purpose) {
-            (Err(why), _) => self.apply(EditorEvent::Say(Note::warning(why))),
-            (Ok(entry), Purpose::Add(at)) => self.add_template(&entry, at),
-            (Ok(entry), Purpose::Compare(id)) => self.offer(id, entry),
+            (Err(why), _) => self.apply(Event::Say(Note::warning(why))),
+            (Ok(entry), ReadPurpose::Add(at)) => self.add_template(&entry, at),
+            (Ok(entry), ReadPurpose::Compare(id)) => self.offer(id, entry),
         }
     }
 
     /// Adds a template to the group that the canvas shows, in one step, and selects it.
-    fn add_template(&mut self, entry: &Entry, at: Option<Point>) {
+    fn add_template(&mut self, entry: &LibraryEntry, at: Option<Point>) {
         let within = self.state.group.clone();
         let at = at.or_else(|| self.canvas.middle(&self.state.document));
         let drawn = self.state.active().cloned();
-        let place = Place { within: within.as_ref(), at, drawn: drawn.as_ref() };
+        let place = Placement { within: within.as_ref(), at, drawn: drawn.as_ref() };
         let added = match template::add(&self.state.document, &entry.document, place) {
             Ok(added) => added,
             Err(why) => {
                 let note = Note::warning(format!("{}: {why}", entry.title));
-                return self.apply(EditorEvent::Say(note));
+                return self.apply(Event::Say(note));
             }
         };
         let Added { edit, id, draws } = added;
-        self.apply(EditorEvent::Begin(format!("template: {}", entry.title.to_lowercase())));
-        self.apply(EditorEvent::Edit(edit));
-        self.apply(EditorEvent::End);
-        self.apply(EditorEvent::Select(Select::Nodes(vec![id])));
+        self.apply(Event::Begin(format!("template: {}", entry.title.to_lowercase())));
+        self.apply(Event::Edit(edit));
+        self.apply(Event::End);
+        self.apply(Event::Select(Select::Nodes(vec![id])));
         // What it has drawn for it waits for the pen.
         if let Some(draws) = draws {
-            self.apply(EditorEvent::TakeUpPen(draws));
+            self.apply(Event::TakeUpPen(draws));
         }
     }
 
@@ -103,7 +103,7 @@ impl Editor {
                 self.templates.at_work.drawing = Some(done);
                 self.templates.at_work.path = path;
             }
-            Err(why) => self.apply(EditorEvent::Say(Note::error(why.to_string()))),
+            Err(why) => self.apply(Event::Say(Note::error(why.to_string()))),
         }
     }
 
@@ -127,7 +127,7 @@ impl Editor {
                 Ok(()) => Note::done(format!("thumbnail kept in {}", at_work.path.display())),
                 Err(why) => Note::error(why),
             };
-            self.apply(EditorEvent::Say(note));
+            self.apply(Event::Say(note));
             self.templates.look(ctx);
         }
         if let Some((read, purpose)) = read {

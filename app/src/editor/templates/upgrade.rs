@@ -3,12 +3,12 @@
 //! Guarantees: nothing changes before it was told value by value; an upgrade is one undo step, and so is keeping a version for good;
 //! an instance whose template is in no library loses nothing.
 
-use crate::core::event::Event as EditorEvent;
+use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::templates::{Offer, Which};
 use crate::editor::Editor;
-use crate::library::Entry;
-use crate::rooms::templates::at_work::Purpose;
+use crate::library::LibraryEntry;
+use crate::rooms::templates::at_work::ReadPurpose;
 use coif_graphs::document::NodeId;
 use coif_graphs::template;
 use std::sync::Arc;
@@ -16,25 +16,25 @@ use std::sync::Arc;
 impl Editor {
     /// Reads a template, to show what upgrading to it would do.
     pub(super) fn show_fates(&mut self, id: NodeId, Which(listed): Which) {
-        self.read_listed(&listed, Purpose::Compare(id));
+        self.read_listed(&listed, ReadPurpose::Compare(id));
     }
 
     /// Shows what an upgrade would do.
-    pub(super) fn offer(&mut self, id: NodeId, entry: Entry) {
+    pub(super) fn offer(&mut self, id: NodeId, entry: LibraryEntry) {
         self.state.offer = self.offered(id, entry.into());
     }
 
-    fn offered(&mut self, id: NodeId, entry: Arc<Entry>) -> Option<Offer> {
+    fn offered(&mut self, id: NodeId, entry: Arc<LibraryEntry>) -> Option<Offer> {
         match template::upgrade(&self.state.document, &id, &entry.document) {
             Ok(upgrade) => Some(Offer {
                 id,
                 entry,
                 of: self.state.changes,
-                told: upgrade.told,
+                overrides: upgrade.overrides,
                 changed_inside: upgrade.changed_inside,
             }),
             Err(why) => {
-                self.apply(EditorEvent::Say(Note::warning(why).of(id)));
+                self.apply(Event::Say(Note::warning(why).of(id)));
                 None
             }
         }
@@ -44,13 +44,13 @@ impl Editor {
     pub(super) fn upgrade(&mut self) {
         let Some(offer) = self.state.offer.take() else { return };
         match template::upgrade(&self.state.document, &offer.id, &offer.entry.document) {
-            Err(why) => self.apply(EditorEvent::Say(Note::warning(why).of(offer.id))),
+            Err(why) => self.apply(Event::Say(Note::warning(why).of(offer.id))),
             Ok(upgrade) => {
                 let name = self.state.document.name_of(&offer.id).into_owned();
                 let version = offer.version();
-                self.apply(EditorEvent::Begin(format!("{name}: upgraded to version {version}")));
-                self.apply(EditorEvent::Edit(upgrade.edit));
-                self.apply(EditorEvent::End);
+                self.apply(Event::Begin(format!("{name}: upgraded to version {version}")));
+                self.apply(Event::Edit(upgrade.edit));
+                self.apply(Event::End);
             }
         }
     }
@@ -61,9 +61,9 @@ impl Editor {
         if let Some(edit) = template::lock(&self.state.document, id, kept) {
             let name = self.state.document.name_of(id).into_owned();
             let words = if kept { "kept at its version" } else { "upgraded again where it can be" };
-            self.apply(EditorEvent::Begin(format!("{name}: {words}")));
-            self.apply(EditorEvent::Edit(edit));
-            self.apply(EditorEvent::End);
+            self.apply(Event::Begin(format!("{name}: {words}")));
+            self.apply(Event::Edit(edit));
+            self.apply(Event::End);
         }
     }
 

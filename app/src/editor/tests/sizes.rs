@@ -136,7 +136,7 @@ fn open(hands: &mut Hands, what: &str) {
         "browser" => {
             hands
                 .editor()
-                .apply(Event::Documents(crate::core::documents::Event::Ask(Purpose::Open)));
+                .apply(Event::Documents(crate::core::documents::DocumentEvent::Ask(Purpose::Open)));
         }
         action => hands.editor().act(action),
     }
@@ -374,7 +374,7 @@ fn panels_of_heads_toasts_and_colours_fit_every_window() {
             hands.close_all();
         }
         // One's own head, before and after it is read.
-        let read = crate::core::documents::Event::Mesh(mesh.clone());
+        let read = crate::core::documents::DocumentEvent::Mesh(mesh.clone());
         hands.editor().apply(Event::Documents(read));
         hands.steps(4);
         hands.check_what_is_open(&name("own head, unread"), &mut wrong);

@@ -9,11 +9,11 @@ mod place;
 use super::evaluate::{Evaluated, Opened, evaluator};
 use super::open::writes_all;
 use super::progress::Tell;
-use super::report::{Picture as About, Report, rounded};
+use super::report::{PictureReport, Report, rounded};
 use super::stop::Stop;
 use crate::feeders::feeders;
 use crate::files::Together;
-use crate::scene::looks::{FileLooks, Named};
+use crate::scene::looks::{FileLooks, HeadLooks};
 use crate::scene::{self, Dressed, Show, Skin};
 use crate::words::grouped;
 use coif_graphs::document::Socket;
@@ -31,7 +31,7 @@ use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Material, Precision, Renderer, chart};
 use files::Format;
-use place::Place;
+use place::ShotView;
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ use std::time::Instant;
 
 /// What is drawn.
 #[derive(Clone, Debug)]
-pub(crate) struct Request {
+pub(crate) struct RenderRequest {
     /// Width and height in pixels.
     pub(crate) size: [u32; 2],
     /// The files of each picture. Of several their names have a place for what tells them apart.
@@ -75,7 +75,7 @@ pub(crate) struct Request {
     pub(crate) threads: usize,
 }
 
-impl Default for Request {
+impl Default for RenderRequest {
     /// A still of a head with all of its hair, in the first lights, without a file.
     fn default() -> Self {
         Self {
@@ -101,7 +101,7 @@ impl Default for Request {
     }
 }
 
-impl Request {
+impl RenderRequest {
     /// The files of one picture, numbered from 0, seen by a camera.
     fn files_of(&self, number: u32, camera: &str) -> impl Iterator<Item = (PathBuf, Format)> {
         let named = move |(path, format): &(PathBuf, Format)| {
@@ -132,7 +132,7 @@ type Keep<'a> = &'a mut dyn FnMut(&mut Together, Shot) -> Result<Vec<String>, St
 
 /// Draws what was asked for of a graph, and writes it.
 pub(crate) fn draw(
-    asked: &Request,
+    asked: &RenderRequest,
     opened: &Opened,
     cancel: &CancelToken,
     tell: &dyn Tell,
@@ -163,7 +163,7 @@ pub(crate) fn draw(
 
 /// Draws a graph into memory: one picture.
 pub(crate) fn draw_one(
-    asked: &Request,
+    asked: &RenderRequest,
     opened: &Opened,
     cancel: &CancelToken,
     tell: &dyn Tell,
@@ -179,7 +179,7 @@ pub(crate) fn draw_one(
 }
 
 fn draw_shots(
-    asked: &Request,
+    asked: &RenderRequest,
     opened: &Opened,
     cancel: &CancelToken,
     tell: &dyn Tell,
@@ -187,8 +187,8 @@ fn draw_shots(
     files: &mut Together,
     keep: Keep,
 ) -> Result<(), Stop> {
-    let places = asked.cameras.iter().map(|name| Place::of(name, opened));
-    let places = places.collect::<Result<Vec<Place>, Stop>>()?;
+    let places = asked.cameras.iter().map(|name| ShotView::of(name, opened));
+    let places = places.collect::<Result<Vec<ShotView>, Stop>>()?;
     let followed = match asked.show {
         Show::Hair(_) => vec![],
         Show::Guides | Show::Clusters => {
@@ -196,7 +196,7 @@ fn draw_shots(
         }
     };
     let more: Vec<Socket> =
-        followed.iter().chain(places.iter().filter_map(Place::socket)).cloned().collect();
+        followed.iter().chain(places.iter().filter_map(ShotView::socket)).cloned().collect();
     if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
         return Err(Stop::refused(format!(
             "--view {}: no node on the way to the outputs makes hair that follows curves",
@@ -208,15 +208,15 @@ fn draw_shots(
         (Skin::Tone(_), _) | (_, true) => vec![],
         _ => opened.head_files(&more),
     };
-    let named: Vec<Option<Named>> =
-        named.into_iter().map(|file| file.and_then(|file| Named::read(&file))).collect();
+    let named: Vec<Option<HeadLooks>> =
+        named.into_iter().map(|file| file.and_then(|file| HeadLooks::read(&file))).collect();
     for path in named.iter().flatten().flat_map(|named| &named.beside) {
         let words = format!("{} of the head", path.display());
         files.reads(path, words).map_err(Stop::refused)?;
     }
     files.allowed().map_err(Stop::failed)?;
     let decoding = std::thread::spawn(move || {
-        let decoded = |named: Option<Named>| named.map(|named| Arc::new(named.decoded()));
+        let decoded = |named: Option<HeadLooks>| named.map(|named| Arc::new(named.decoded()));
         named.into_iter().map(decoded).collect::<Vec<_>>()
     });
     let shading = match asked.show {
@@ -306,7 +306,7 @@ fn draw_shots(
         let shot = Shot { number, camera: &place.name, picture, texts: &texts };
         pictures.extend(keep(files, shot)?);
     }
-    report.picture = Some(About {
+    report.picture = Some(PictureReport {
         files: pictures,
         width: asked.size[0],
         height: asked.size[1],
@@ -341,7 +341,7 @@ struct Scene {
 
 impl Scene {
     fn of(
-        asked: &Request,
+        asked: &RenderRequest,
         evaluated: Evaluated,
         looks: &[Option<Arc<FileLooks>>],
         warnings: &mut Vec<String>,
@@ -429,7 +429,7 @@ fn adapter(renderer: &Renderer) -> String {
 }
 
 /// What the picture is, in words.
-fn describe(asked: &Request, scene: &Scene) -> String {
+fn describe(asked: &RenderRequest, scene: &Scene) -> String {
     let (strands, points) = (scene.hair.curve_count(), scene.hair.point_count());
     let quality = match asked.quality {
         Quality::Final => "final",

@@ -1,6 +1,6 @@
 //! Where a picture is seen from: a view of any head, one that the graph has saved, or what a node gives.
 
-use super::{Request, Scene};
+use super::{RenderRequest, Scene};
 use crate::jobs::evaluate::Opened;
 use crate::jobs::stop::Stop;
 use coif_graphs::document::{NodeId, SavedView, Socket};
@@ -10,7 +10,7 @@ use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
 use glam::Vec3;
 
 /// Where the picture is seen from.
-pub(super) struct Place {
+pub(super) struct ShotView {
     /// As it is called.
     pub(super) name: String,
     seen: Seen,
@@ -25,7 +25,7 @@ enum Seen {
     Close(Socket),
 }
 
-impl Place {
+impl ShotView {
     /// What a name means in a graph.
     pub(super) fn of(text: &str, opened: &Opened) -> Result<Self, Stop> {
         let fault = |reason: String| Stop::refused(format!("--camera {text}: {reason}"));
@@ -54,7 +54,10 @@ impl Place {
             .ok_or_else(|| fault(format!("its kind {:?} is not known", found.kind)))?;
         let output = def.outputs.iter().find(|output| output.ty == Type::Curves);
         let output = output.ok_or_else(|| {
-            fault(format!("{} gives no curves that the picture could be filled with", def.told()))
+            fault(format!(
+                "{} gives no curves that the picture could be filled with",
+                def.with_article()
+            ))
         })?;
         Ok(Self { name, seen: Seen::Close(Socket::new(id, output.name)) })
     }
@@ -67,7 +70,7 @@ impl Place {
         }
     }
 
-    fn focal_mm(&self, asked: &Request) -> f32 {
+    fn focal_mm(&self, asked: &RenderRequest) -> f32 {
         asked.focal_mm.unwrap_or(match &self.seen {
             Seen::Saved(view) => view.focal_mm,
             Seen::Head(_) | Seen::Close(_) => camera::PORTRAIT_FOCAL,
@@ -75,7 +78,7 @@ impl Place {
     }
 
     /// For people who find the picture later.
-    pub(super) fn in_words(&self, asked: &Request) -> String {
+    pub(super) fn in_words(&self, asked: &RenderRequest) -> String {
         match &self.seen {
             Seen::Saved(SavedView { orthographic: Some(height), .. }) => {
                 format!("{}, parallel, {height} cm high", self.name)
@@ -87,7 +90,7 @@ impl Place {
     /// The camera there; `closest` is what [`Self::socket`] gave.
     pub(super) fn camera(
         &self,
-        asked: &Request,
+        asked: &RenderRequest,
         scene: &Scene,
         closest: Option<&Value>,
     ) -> Result<Camera, Stop> {

@@ -3,7 +3,7 @@
 use super::{Canvas, Clipboard};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
-use crate::core::faces::arrange::Line;
+use crate::core::faces::arrange::Alignment;
 use crate::core::state::State;
 use coif_graphs::document::{Node, NodeId};
 use egui::{Vec2, vec2};
@@ -50,7 +50,7 @@ fn something(canvas: &Canvas, state: &State) -> Can {
 }
 fn one_wire(canvas: &Canvas, _: &State) -> Can {
     let one = canvas.memory.wires.len() == 1;
-    if one { Ok(()) } else { Err("not one wire is selected") }
+    if one { Ok(()) } else { Err("select exactly one wire") }
 }
 fn nameable(canvas: &Canvas, state: &State) -> Can {
     let frame = canvas.memory.frame.is_some();
@@ -69,7 +69,7 @@ macro_rules! steps {
         $(Action {
             id: concat!("canvas.", $id),
             label: concat!("Select the node ", $label),
-            tip: "Moves the selection along wires, or to the node that lies this way.",
+            tip: "Move the selection along wires, or to the next node in this direction.",
             words: "arrow walk next",
             menu: "",
             when: nodes,
@@ -78,7 +78,7 @@ macro_rules! steps {
         Action {
             id: concat!("node.move_", $id),
             label: concat!("Move nodes ", $label),
-            tip: "Moves the selected nodes on the canvas a little.",
+            tip: "Nudge the selected nodes on the canvas.",
             words: "nudge arrow position",
             menu: "",
             when: selected,
@@ -101,7 +101,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.add",
         "Add node\u{2026}",
-        "Searches a node by name, words of the trade or words of other tools, and adds it. With a node selected it proposes a wire.",
+        "Search a node by its name, or its name in other tools, and add it. With a node selected, a wire is proposed.",
         "new create search tab",
         always,
         |canvas, state, out| out.extend(canvas.add(state)),
@@ -109,7 +109,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.display",
         "Display",
-        "Shows this node in the viewport, whatever is selected. Again: shows the outputs.",
+        "Display this node in the viewport, whatever is selected. Again: display the outputs.",
         "view flag eye show",
         active,
         |canvas, state, out| out.extend(canvas.display(state)),
@@ -117,7 +117,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.solo",
         "Solo",
-        "Shows this node for a moment; again, what was shown before.",
+        "Display this node for now; again: what was displayed before.",
         "isolate peek preview",
         |canvas, state| if canvas.memory.solo.is_some() { Ok(()) } else { active(canvas, state) },
         |canvas, state, out| out.extend(canvas.solo(state)),
@@ -125,7 +125,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.bypass",
         "Bypass",
-        "Lets the selected nodes pass their input through, or work again.",
+        "Bypass the selected nodes, or enable them again.",
         "disable mute skip off",
         selected,
         |canvas, state, out| out.extend(canvas.bypass(state)),
@@ -133,7 +133,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.pin",
         "Pin for the pen",
-        "The pen works on this node, whatever is displayed. Again: lets it go.",
+        "Keep the pen on this node, whatever is displayed. Again: unpin it.",
         "draw stroke edit lock",
         active,
         |canvas, state, out| out.extend(canvas.pin(state)),
@@ -141,7 +141,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.rename",
         "Rename",
-        "Gives the node, or the selected frame, another name.",
+        "Rename the node, or the selected frame.",
         "label title call",
         nameable,
         |canvas, state, out| out.extend(canvas.rename(state)),
@@ -149,7 +149,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.note",
         "Note\u{2026}",
-        "Writes a note on the node. It is shown with the node and kept in the file.",
+        "Write a note on the node, shown with it and saved in the file.",
         "comment text remark",
         active,
         |canvas, state, out| out.extend(canvas.note(state)),
@@ -157,7 +157,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.collapse",
         "Collapse",
-        "Draws the selected nodes small, or whole again.",
+        "Collapse or expand the selected nodes.",
         "fold minimise hide expand",
         selected,
         |canvas, state, out| out.extend(canvas.collapse(state)),
@@ -165,7 +165,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.swap",
         "Change the kind\u{2026}",
-        "Makes another kind of the node. Values and wires that fit are kept.",
+        "Replace the node by another kind. Values and wires that fit are kept.",
         "replace swap type convert",
         active,
         |canvas, state, out| out.extend(canvas.swap(state)),
@@ -173,7 +173,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.connect",
         "Wire to\u{2026}",
-        "Searches the input that a wire from this node goes to.",
+        "Search an input to wire this node to.",
         "connect link plug",
         active,
         |canvas, state, out| out.extend(canvas.connect(state)),
@@ -181,7 +181,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.disconnect",
         "Disconnect",
-        "Takes the wires off the selected nodes; hair runs past them. With wires selected: takes these off.",
+        "Unwire the selected nodes; their neighbours are wired to each other. With wires selected: remove these.",
         "unplug cut extract shake",
         |canvas, state| {
             if canvas.memory.wires.is_empty() { selected(canvas, state) } else { Ok(()) }
@@ -191,7 +191,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.duplicate",
         "Duplicate",
-        "Copies the selected nodes beside themselves, with the wires they take.",
+        "Duplicate the selected nodes, with their incoming wires.",
         "clone copy",
         selected,
         |canvas, state, out| out.extend(canvas.duplicate(state)),
@@ -199,7 +199,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.cut",
         "Cut",
-        "Copies the selected nodes as text and removes them.",
+        "Copy the selected nodes as text and remove them.",
         "clipboard",
         selected,
         |canvas, _, _| canvas.memory.clipboard = Some(Clipboard::Cut),
@@ -207,7 +207,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.copy",
         "Copy",
-        "Copies the selected nodes as text: it can be pasted here, in another groom, or in a mail.",
+        "Copy the selected nodes as text. Paste it here, into another groom or into a message.",
         "clipboard ron text",
         selected,
         |canvas, _, _| canvas.memory.clipboard = Some(Clipboard::Copy),
@@ -215,7 +215,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.paste",
         "Paste",
-        "Adds nodes from text: what was copied here, or a whole groom.",
+        "Add nodes from copied text, or a whole groom.",
         "clipboard ron text insert",
         always,
         |canvas, _, _| canvas.memory.clipboard = Some(Clipboard::Paste),
@@ -223,7 +223,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "node.delete",
         "Delete",
-        "Removes what is selected on the canvas: nodes, wires, a bend or a frame. Wires through removed nodes heal.",
+        "Remove the selected nodes, wires, bend or frame. Wires through removed nodes are reconnected.",
         "remove erase dissolve",
         something,
         |canvas, state, out| out.extend(canvas.delete(state)),
@@ -231,7 +231,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.frame_nodes",
         "Frame the nodes",
-        "Puts a comment frame round the selected nodes. They move with it.",
+        "Put a comment frame around the selected nodes. They move with it.",
         "comment group box backdrop network",
         selected,
         |canvas, state, out| out.extend(canvas.frame_nodes(state)),
@@ -239,7 +239,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.group",
         "Group",
-        "Puts the selected nodes into one node. What they take and give becomes its inputs and outputs.",
+        "Group the selected nodes into one. Wires across its border become its inputs and outputs.",
         "subnet nest container gizmo asset collapse",
         selected,
         |canvas, state, out| out.extend(canvas.group(state)),
@@ -247,7 +247,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.ungroup",
         "Ungroup",
-        "Takes the selected groups apart: their nodes stand in their place, with the same values and wires.",
+        "Replace the selected groups by the nodes in them, with the same values and wires.",
         "explode expand subnet",
         a_group,
         |canvas, state, out| out.extend(canvas.ungroup(state)),
@@ -255,7 +255,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.enter",
         "Enter the group",
-        "Shows the nodes in the selected group. Double-click does the same.",
+        "Show the nodes in the selected group. Also: double-click it.",
         "dive inside open subnet",
         one_group,
         |canvas, state, out| out.extend(canvas.enter(state)),
@@ -263,7 +263,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.leave",
         "Leave the group",
-        "Shows what the group is in.",
+        "Leave this group for the graph around it.",
         "up back out subnet",
         |_, state| state.group.as_ref().map(|_| ()).ok_or("no group is entered"),
         |canvas, state, out| out.extend(canvas.leave(state)),
@@ -271,7 +271,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.tidy",
         "Lay out",
-        "Places the selected nodes, or all, in the order in which hair flows.",
+        "Lay out the selected nodes, or all, in the order of data flow.",
         "arrange auto layout tidy clean",
         nodes,
         |canvas, state, out| out.extend(canvas.tidy(state)),
@@ -279,39 +279,39 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.align_left",
         "Align left",
-        "Brings the selected nodes to the left edge of the outermost.",
+        "Align the left edges of the selected nodes.",
         "arrange column",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Left)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Left)),
     ),
     node(
         "canvas.align_right",
         "Align right",
-        "Brings the selected nodes to the right edge of the outermost.",
+        "Align the right edges of the selected nodes.",
         "arrange column",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Right)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Right)),
     ),
     node(
         "canvas.align_top",
         "Align top",
-        "Brings the selected nodes to the upper edge of the topmost.",
+        "Align the upper edges of the selected nodes.",
         "arrange row",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Top)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Top)),
     ),
     node(
         "canvas.align_bottom",
         "Align bottom",
-        "Brings the selected nodes to the lower edge of the lowest.",
+        "Align the lower edges of the selected nodes.",
         "arrange row",
         two,
-        |canvas, state, out| out.extend(canvas.align(state, Line::Bottom)),
+        |canvas, state, out| out.extend(canvas.align(state, Alignment::Bottom)),
     ),
     node(
         "canvas.distribute",
         "Distribute",
-        "Makes the gaps between the selected nodes equal.",
+        "Make the gaps between the selected nodes equal.",
         "arrange spread space even",
         two,
         |canvas, state, out| out.extend(canvas.distribute(state)),
@@ -319,7 +319,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.select_all",
         "Select all nodes",
-        "Selects every node.",
+        "Select every node.",
         "everything",
         nodes,
         |canvas, state, out| out.extend(canvas.select_all(state)),
@@ -327,7 +327,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.select_upstream",
         "Select upstream",
-        "Selects everything that feeds the selected nodes.",
+        "Select all nodes that the selected ones depend on.",
         "inputs before history",
         selected,
         |canvas, state, out| out.extend(canvas.select_flow(state, false)),
@@ -335,7 +335,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.select_downstream",
         "Select downstream",
-        "Selects everything that hangs from the selected nodes.",
+        "Select all nodes that depend on the selected ones.",
         "outputs after dependents",
         selected,
         |canvas, state, out| out.extend(canvas.select_flow(state, true)),
@@ -343,7 +343,7 @@ const NODES: [Of<Canvas>; 31] = [
     node(
         "canvas.next_wire",
         "Select the next wire",
-        "Selects the wires of the active node one after the other.",
+        "Cycle through the wires of the active node.",
         "link connection cycle",
         |canvas, state| if canvas.memory.wires.is_empty() { active(canvas, state) } else { Ok(()) },
         |canvas, state, out| out.extend(canvas.next_wire(state)),
@@ -354,7 +354,7 @@ const VIEWS: [Of<Canvas>; 4] = [
     Action {
         id: "canvas.fit_all",
         label: "Frame all nodes",
-        tip: "Brings every node into sight.",
+        tip: "Fit all nodes in the canvas.",
         words: "zoom fit home overview",
         menu: "View",
         when: always,
@@ -363,7 +363,7 @@ const VIEWS: [Of<Canvas>; 4] = [
     Action {
         id: "canvas.fit_selection",
         label: "Frame the selected nodes",
-        tip: "Brings the selected nodes into sight.",
+        tip: "Fit the selected nodes in the canvas.",
         words: "zoom fit focus",
         menu: "View",
         when: always,
@@ -372,7 +372,7 @@ const VIEWS: [Of<Canvas>; 4] = [
     Action {
         id: "canvas.wire_earlier",
         label: "Wire earlier",
-        tip: "Moves the selected wire up among those of its input.",
+        tip: "Move the selected wire up in the order of its input.",
         words: "order reorder up",
         menu: "",
         when: one_wire,
@@ -381,7 +381,7 @@ const VIEWS: [Of<Canvas>; 4] = [
     Action {
         id: "canvas.wire_later",
         label: "Wire later",
-        tip: "Moves the selected wire down among those of its input.",
+        tip: "Move the selected wire down in the order of its input.",
         words: "order reorder down",
         menu: "",
         when: one_wire,

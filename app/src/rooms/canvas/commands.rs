@@ -3,10 +3,10 @@
 use super::Canvas;
 use super::edits::{self, Link};
 use super::finder::{Finder, Task};
-use super::naming::{Named, Naming};
+use super::naming::{Naming, RenameTarget};
 use super::wires::{Wire, of_output};
 use crate::core::event::Event;
-use crate::core::faces::arrange::{self, GAP, Line};
+use crate::core::faces::arrange::{self, Alignment, GAP};
 use crate::core::faces::{FOOTER, Faces, HEADER, ROW, WIDTH, comes_by_wire};
 use crate::core::notes::Note;
 use crate::core::shown::first_output;
@@ -275,7 +275,7 @@ impl Canvas {
     pub(super) fn note(&mut self, state: &State) -> Vec<Event> {
         if let Some(id) = state.active() {
             let note = state.document.node(id.as_str()).map_or("", |node| &node.note);
-            self.memory.naming = Some(Naming::new(Named::Note(id.clone()), note));
+            self.memory.naming = Some(Naming::new(RenameTarget::Note(id.clone()), note));
         }
         vec![]
     }
@@ -355,7 +355,7 @@ impl Canvas {
         edited(arrange::tidied(&state.document, &faces, &nodes))
     }
 
-    pub(super) fn align(&mut self, state: &State, line: Line) -> Vec<Event> {
+    pub(super) fn align(&mut self, state: &State, line: Alignment) -> Vec<Event> {
         edited(arrange::aligned(&self.cache.of(state), &state.selection.nodes, line))
     }
 

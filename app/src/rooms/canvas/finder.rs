@@ -2,7 +2,7 @@
 //! that a wire goes to. Keyboard first: type, arrows, Enter, Escape.
 
 use super::edits::Link;
-use super::search::{self, Entry, Hints, Why};
+use super::search::{self, Hints, SearchEntry, Why};
 use super::text::{self, line};
 use super::wires::Wire;
 use crate::core::faces::{Faces, words};
@@ -35,7 +35,7 @@ pub(super) enum Task {
 
 /// What was picked.
 #[derive(Clone)]
-pub(super) enum Pick {
+pub(super) enum FinderChoice {
     /// A kind of node, whether it is wired as the task says, and an input that is set: what was typed is a choice of it.
     Kind(&'static NodeDef, bool, Option<(&'static str, &'static str)>),
     /// A wire from an output to an input, by its node and its number among the node's plugs.
@@ -59,7 +59,7 @@ struct Line {
     label: String,
     beside: String,
     tip: String,
-    pick: Pick,
+    pick: FinderChoice,
 }
 
 /// The most lines that are listed.
@@ -67,11 +67,11 @@ const MOST: usize = 40;
 const WIDTH: f32 = 300.0;
 
 /// What an open search became this frame.
-pub(super) enum Outcome {
+pub(super) enum SearchOutcome {
     /// It stays open.
     Open,
     /// It is closed; with what was picked, if anything was.
-    Done(Option<Pick>),
+    Done(Option<FinderChoice>),
 }
 
 impl Finder {
@@ -87,7 +87,7 @@ impl Finder {
         document: &Document,
         faces: &Faces,
         recent: &[String],
-    ) -> Outcome {
+    ) -> SearchOutcome {
         let ctx = ui.ctx();
         let key = |m: Modifiers, key: Key| ctx.input_mut(|i| i.consume_key(m, key));
         let (up, down) = (key(Modifiers::NONE, Key::ArrowUp), key(Modifiers::NONE, Key::ArrowDown));
@@ -129,17 +129,17 @@ impl Finder {
         if enter {
             picked = lines.get(self.chosen).map(|line| line.pick.clone());
         }
-        if let (true, Some(Pick::Kind(def, _, set))) = (alone, &picked) {
-            return Outcome::Done(Some(Pick::Kind(def, false, *set)));
+        if let (true, Some(FinderChoice::Kind(def, _, set))) = (alone, &picked) {
+            return SearchOutcome::Done(Some(FinderChoice::Kind(def, false, *set)));
         }
         let outside = !self.fresh
             && ctx.input(|i| i.pointer.any_pressed())
             && ctx.pointer_latest_pos().is_some_and(|p| !area.response.rect.contains(p));
         self.fresh = false;
         if picked.is_some() || escape || outside {
-            return Outcome::Done(picked);
+            return SearchOutcome::Done(picked);
         }
-        Outcome::Open
+        SearchOutcome::Open
     }
 
     fn field(&mut self, ui: &mut egui::Ui) {
@@ -167,11 +167,11 @@ impl Finder {
         ui: &mut egui::Ui,
         lines: &[Line],
         (moved, most): (bool, f32),
-        picked: &mut Option<Pick>,
+        picked: &mut Option<FinderChoice>,
     ) {
         if lines.is_empty() {
             ui.add_space(4.0);
-            ui.label(RichText::new("Nothing fits what was typed.").color(theme::QUIET));
+            ui.label(RichText::new("Nothing matches.").color(theme::QUIET));
         }
         let list = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(16.0);
         let list = list.auto_shrink([false, true]);
@@ -270,7 +270,7 @@ fn row(ui: &mut egui::Ui, shown: &Line, chosen: bool) -> egui::Response {
     let beside = line(ui, &shown.beside, 11.0, theme::QUIET, rect.width() / 2.0);
     let room = rect.width() - beside.size().x - 24.0;
     let label = line(ui, &shown.label, 13.0, theme::TEXT, room);
-    let height = |line: &text::Line| rect.center().y - line.size().y / 2.0;
+    let height = |line: &text::TextLine| rect.center().y - line.size().y / 2.0;
     let at = egui::pos2(rect.right() - 8.0 - beside.size().x, height(&beside));
     beside.show(ui.painter(), at, theme::QUIET);
     let at = egui::pos2(rect.left() + 8.0, height(&label));
@@ -293,7 +293,7 @@ fn kind_line(def: &'static NodeDef, typed: &str) -> Line {
         },
         beside: stage.map_or("", |(stage, _)| stage).to_owned(),
         tip: doc.split("\n\n").next().unwrap_or_default().to_owned(),
-        pick: Pick::Kind(def, true, set),
+        pick: FinderChoice::Kind(def, true, set),
     }
 }
 
@@ -344,7 +344,8 @@ fn plugs(
                 continue;
             }
             let mut label = format!("{}: {}", face.label, plug.label());
-            let entry = Entry { label: &label, id: face.id.as_str(), ..Entry::default() };
+            let entry =
+                SearchEntry { label: &label, id: face.id.as_str(), ..SearchEntry::default() };
             let Some(score) = search::score(typed, &entry) else { continue };
             let here = document.wires(&face.id, &plug.socket.name);
             let wired = plug.wire.and_then(|at| here.get(at));
@@ -362,7 +363,7 @@ fn plugs(
                 label = format!("{} ⏵ {label}", words(&from.name));
             }
             let order = (score, wired.is_some(), plug.ty != given, !plug.needed);
-            let pick = Pick::Plug(from.clone(), face.id.clone(), number);
+            let pick = FinderChoice::Plug(from.clone(), face.id.clone(), number);
             found.push((order, Line { label, beside, tip, pick }));
         }
     }

@@ -11,7 +11,7 @@ use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, p
 use std::collections::BTreeMap;
 
 /// What was done to a frame.
-pub(super) struct Touched {
+pub(super) struct FrameResponse {
     /// Its name.
     pub name: String,
     /// On its title.
@@ -45,7 +45,7 @@ pub(super) fn show(
     scale: f32,
     selected: Option<&str>,
     rect: impl Fn(&str, &Frame) -> Rect,
-) -> Vec<Touched> {
+) -> Vec<FrameResponse> {
     let mut touched = vec![];
     for (name, frame) in &document.frames {
         if !stands_in(document, name, group) {
@@ -76,7 +76,7 @@ pub(super) fn show(
         });
         let corner = ui.interact(grip, id.with("corner"), Sense::drag());
         let corner = corner.on_hover_cursor(egui::CursorIcon::ResizeNwSe);
-        touched.push(Touched { name: name.clone(), title, corner });
+        touched.push(FrameResponse { name: name.clone(), title, corner });
     }
     touched
 }

@@ -22,7 +22,7 @@ pub(crate) enum Mark {
 
 /// The marks of one of two documents.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Marks {
+pub(crate) struct DiffMarks {
     /// Nodes; of a group also where what is in it differs.
     pub nodes: BTreeMap<NodeId, Mark>,
     /// Wires.
@@ -30,8 +30,8 @@ pub(crate) struct Marks {
 }
 
 /// The marks of two documents, from what changed from the one to the other.
-pub(crate) fn marks(a: &Document, b: &Document, changes: &[Change]) -> [Marks; 2] {
-    let [mut one, mut other] = [Marks::default(), Marks::default()];
+pub(crate) fn marks(a: &Document, b: &Document, changes: &[Change]) -> [DiffMarks; 2] {
+    let [mut one, mut other] = [DiffMarks::default(), DiffMarks::default()];
     for change in changes {
         match (&change.fact, change.from.is_some(), change.to.is_some()) {
             (Fact::Kind(id), false, _) => drop(other.nodes.insert(id.clone(), Mark::Added)),
@@ -167,7 +167,7 @@ mod tests {
         let a = document("cornrows");
         let mut b = a.clone();
         edit.apply(&mut b).unwrap();
-        let words = |marks: Marks| {
+        let words = |marks: DiffMarks| {
             let nodes = marks.nodes.into_iter().map(|(id, mark)| format!("{id} {}", mark.name()));
             let wires = marks.wires.into_iter();
             let wires = wires.map(|(wire, mark)| format!("{} {}", wire.to, mark.name()));

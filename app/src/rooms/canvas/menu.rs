@@ -1,7 +1,7 @@
 //! What the right button offers on nodes and on the empty canvas: actions of the table, by their
 //! names.
 
-use crate::core::action::{self, Table};
+use crate::core::action::{self, ActionLookup};
 use crate::core::event::Event;
 use crate::widgets::panel;
 use egui::{Pos2, Response};
@@ -44,14 +44,19 @@ const BACKGROUND: &[&str] = &[
 ];
 
 /// The menu of a node; keys open it at a place.
-pub(super) fn node(table: Table, response: &Response, by_key: Option<Pos2>, out: &mut Vec<Event>) {
+pub(super) fn node(
+    table: ActionLookup,
+    response: &Response,
+    by_key: Option<Pos2>,
+    out: &mut Vec<Event>,
+) {
     let opens = by_key.or_else(|| panel::right_click(response));
     panel::menu_at(response, opens, |ui| action::menu(table, NODE, ui, out));
 }
 
 /// The menu of the empty canvas.
 pub(super) fn background(
-    table: Table,
+    table: ActionLookup,
     response: &Response,
     by_key: Option<Pos2>,
     out: &mut Vec<Event>,

@@ -32,7 +32,7 @@ mod view;
 mod wires;
 
 pub(crate) use actions::ACTIONS;
-pub(crate) use marks::{Mark, Marks, marks};
+pub(crate) use marks::{DiffMarks, Mark, marks};
 
 use crate::core::event::Event;
 use crate::core::faces::{self, FaceCache, Faces, arrange};
@@ -47,8 +47,8 @@ use edits::Link;
 use egui::{Pos2, Rect, Ui, Vec2, vec2};
 use finder::{Finder, Task};
 use hand::{Aim, Fixed, Hand, Loose};
-use naming::{Named, Naming};
-use scene::{Found, Scene};
+use naming::{Naming, RenameTarget};
+use scene::{DrawnScene, Scene};
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 use wires::{Shake, Wire};
@@ -110,7 +110,7 @@ struct Memory {
     /// What is to be brought into sight when the room is drawn next.
     look_at: Option<BTreeSet<NodeId>>,
     /// What differs from another document.
-    marks: Option<Arc<Marks>>,
+    marks: Option<Arc<DiffMarks>>,
 }
 
 impl Memory {
@@ -132,10 +132,10 @@ impl Memory {
         self.bend = None;
     }
     fn name_node(&mut self, id: NodeId, now: &str) {
-        self.naming = Some(Naming::new(Named::Node(id), now));
+        self.naming = Some(Naming::new(RenameTarget::Node(id), now));
     }
     fn name_frame(&mut self, name: String, now: &str) {
-        self.naming = Some(Naming::new(Named::Frame(name), now));
+        self.naming = Some(Naming::new(RenameTarget::Frame(name), now));
     }
 }
 
@@ -159,7 +159,7 @@ impl Canvas {
     }
 
     /// Marks nodes and wires, or none.
-    pub(crate) fn mark(&mut self, marks: Option<Arc<Marks>>) {
+    pub(crate) fn mark(&mut self, marks: Option<Arc<DiffMarks>>) {
         self.memory.marks = marks;
     }
 
@@ -385,7 +385,7 @@ impl Canvas {
         state: &State,
         faces: &Faces,
         response: &egui::Response,
-        found: &Found,
+        found: &DrawnScene,
         ui: &Ui,
         out: &mut Vec<Event>,
     ) {
@@ -426,7 +426,7 @@ impl Canvas {
         &mut self,
         state: &State,
         faces: &Faces,
-        found: &Found,
+        found: &DrawnScene,
         moved: bool,
         ui: &Ui,
         out: &mut Vec<Event>,
@@ -472,7 +472,7 @@ impl Canvas {
     }
 
     /// The wire that a dragged node would be inserted on: one node alone, which has no hair yet.
-    fn wire_under(&self, state: &State, found: &Found) -> Option<Wire> {
+    fn wire_under(&self, state: &State, found: &DrawnScene) -> Option<Wire> {
         let mut nodes = state.selection.nodes.iter();
         let (Some(id), None) = (nodes.next(), nodes.next()) else { return None };
         if !commands::is_loose(&state.document, id) {
@@ -514,7 +514,7 @@ impl Canvas {
         &mut self,
         state: &State,
         faces: &Arc<Faces>,
-        found: &Found,
+        found: &DrawnScene,
         ui: &Ui,
         area: Rect,
         out: &mut Vec<Event>,
@@ -564,7 +564,7 @@ impl Canvas {
         &mut self,
         state: &State,
         faces: &Arc<Faces>,
-        found: &Found,
+        found: &DrawnScene,
         loose: Loose,
         ui: &Ui,
         area: Rect,

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// What is named.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Named {
+pub(super) enum RenameTarget {
     /// A node's label.
     Node(NodeId),
     /// A node's note.
@@ -22,7 +22,7 @@ pub(super) enum Named {
 /// A field in which a name is typed.
 #[derive(Debug)]
 pub(super) struct Naming {
-    what: Named,
+    what: RenameTarget,
     text: String,
     /// The field was shown before; until then a press elsewhere is the one that opened it.
     shown: bool,
@@ -31,15 +31,15 @@ pub(super) struct Naming {
 
 impl Naming {
     /// Opens it with the present text.
-    pub(super) fn new(what: Named, now: &str) -> Self {
+    pub(super) fn new(what: RenameTarget, now: &str) -> Self {
         Self { what, text: now.to_owned(), shown: false, frame: None }
     }
 
     /// Whether what is named is there.
     pub(super) fn is_there(&self, document: &Document) -> bool {
         match &self.what {
-            Named::Node(id) | Named::Note(id) => document.nodes.contains_key(id),
-            Named::Frame(name) => document.frames.contains_key(name),
+            RenameTarget::Node(id) | RenameTarget::Note(id) => document.nodes.contains_key(id),
+            RenameTarget::Frame(name) => document.frames.contains_key(name),
         }
     }
 
@@ -51,12 +51,12 @@ impl Naming {
         corners: &BTreeMap<NodeId, Pos2>,
     ) -> Option<Pos2> {
         match &self.what {
-            Named::Node(id) => corners.get(id).copied(),
-            Named::Note(id) => {
+            RenameTarget::Node(id) => corners.get(id).copied(),
+            RenameTarget::Note(id) => {
                 let height = faces.all.get(id)?.size().y;
                 Some(*corners.get(id)? + vec2(0.0, height + 4.0))
             }
-            Named::Frame(name) => {
+            RenameTarget::Frame(name) => {
                 self.frame = document.frames.get(name).cloned();
                 Some(crate::core::faces::arrange::pos(self.frame.as_ref()?.at))
             }
@@ -67,15 +67,15 @@ impl Naming {
     /// set the name, Escape does not.
     pub(super) fn show(&mut self, ui: &Ui, bounds: Rect, at: Pos2, out: &mut Vec<Event>) -> bool {
         let ctx = ui.ctx();
-        let note = matches!(self.what, Named::Note(_));
+        let note = matches!(self.what, RenameTarget::Note(_));
         let key = |m: Modifiers, key: Key| ctx.input_mut(|i| i.consume_key(m, key));
         let escape = key(Modifiers::NONE, Key::Escape);
         let enter =
             key(Modifiers::COMMAND, Key::Enter) || (!note && key(Modifiers::NONE, Key::Enter));
         let (label, hint) = match &self.what {
-            Named::Node(_) => ("Name of the node", "Name"),
-            Named::Note(_) => ("Note of the node", "Note; Ctrl+Enter keeps it"),
-            Named::Frame(_) => ("Title of the frame", "Title"),
+            RenameTarget::Node(_) => ("Name of the node", "Name"),
+            RenameTarget::Note(_) => ("Note of the node", "Note; Ctrl+Enter keeps it"),
+            RenameTarget::Frame(_) => ("Title of the frame", "Title"),
         };
         let letters = self.text.chars().count();
         let fresh = !self.shown;
@@ -113,9 +113,9 @@ impl Naming {
     fn keep(&self, out: &mut Vec<Event>) {
         let text = self.text.trim().to_owned();
         let edit = match &self.what {
-            Named::Node(id) => Edit::SetLabel { id: id.clone(), label: Some(text) },
-            Named::Note(id) => Edit::SetNodeNote { id: id.clone(), note: text },
-            Named::Frame(name) => match &self.frame {
+            RenameTarget::Node(id) => Edit::SetLabel { id: id.clone(), label: Some(text) },
+            RenameTarget::Note(id) => Edit::SetNodeNote { id: id.clone(), note: text },
+            RenameTarget::Frame(name) => match &self.frame {
                 Some(frame) => {
                     let frame = Some(Frame { text, ..frame.clone() });
                     Edit::SetFrame { name: name.clone(), frame }

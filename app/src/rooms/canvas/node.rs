@@ -78,7 +78,7 @@ pub(super) struct Mood {
 }
 
 /// What hands did to a node.
-pub(super) struct Touched {
+pub(super) struct NodeResponse {
     /// The flags that were clicked.
     pub display: bool,
     pub bypass: bool,
@@ -89,9 +89,9 @@ pub(super) struct Touched {
 const FLAG: Vec2 = vec2(24.0, 26.0);
 
 /// Draws a node at the cursor and says what was done to it.
-pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> Touched {
+pub(super) fn show(ui: &mut Ui, face: &Face, detail: Detail, mood: Mood) -> NodeResponse {
     let (rect, _) = ui.allocate_exact_size(face.size(), Sense::hover());
-    let mut touched = Touched { display: false, bypass: false, ends: vec![] };
+    let mut touched = NodeResponse { display: false, bypass: false, ends: vec![] };
     if !detail.has_sockets() {
         far(ui, face, rect, detail, mood);
         return touched;
@@ -228,7 +228,7 @@ fn body(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
     }
 }
 
-fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut Touched) {
+fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut NodeResponse) {
     let middle = rect.top() + face.header() / 2.0;
     look::stage(ui.painter(), pos2(rect.left() + 15.0, middle), face.stage);
     let flags = [("display", 14.0), ("bypass", 38.0)];
@@ -327,7 +327,7 @@ fn end(
     plug: &Plug,
     at: Pos2,
     mood: Mood,
-    touched: &mut Touched,
+    touched: &mut NodeResponse,
 ) {
     // An input of very many wires is longer than the window.
     if !ui.clip_rect().expand(ROW).contains(at) {
@@ -396,7 +396,7 @@ fn tip(ui: &mut Ui, face: &Face, end: End, plug: &Plug) {
         ui.label(doc);
     }
     if plug.needed && plug.wire.is_none() {
-        ui.colored_label(theme::WARNING, "The node cannot do without it.");
+        ui.colored_label(theme::WARNING, "Required: wire it.");
     }
 }
 

@@ -1,8 +1,8 @@
 //! What lies over the canvas: the reason why a wire is refused, the map, the search, names being typed.
 
 use super::edits;
-use super::finder::{Finder, Outcome, Pick, Task};
-use super::scene::Found;
+use super::finder::{Finder, FinderChoice, SearchOutcome, Task};
+use super::scene::DrawnScene;
 use super::{Canvas, commands, frames, look};
 use crate::core::event::Event;
 use crate::core::faces::{self, Faces};
@@ -18,7 +18,7 @@ impl Canvas {
         &mut self,
         state: &State,
         faces: &Faces,
-        found: &Found,
+        found: &DrawnScene,
         ui: &Ui,
         area: Rect,
         out: &mut Vec<Event>,
@@ -45,9 +45,11 @@ impl Canvas {
         }
         if let Some(mut finder) = self.memory.finder.take() {
             match finder.show(ui, &state.document, faces, &self.memory.recent) {
-                Outcome::Open => self.memory.finder = Some(finder),
-                Outcome::Done(Some(pick)) => self.picked(state, faces, &finder.task, pick, out),
-                Outcome::Done(None) => {}
+                SearchOutcome::Open => self.memory.finder = Some(finder),
+                SearchOutcome::Done(Some(pick)) => {
+                    self.picked(state, faces, &finder.task, pick, out)
+                }
+                SearchOutcome::Done(None) => {}
             }
         }
         if let Some(mut naming) = self.memory.naming.take() {
@@ -65,12 +67,12 @@ impl Canvas {
         state: &State,
         faces: &Faces,
         task: &Task,
-        pick: Pick,
+        pick: FinderChoice,
         out: &mut Vec<Event>,
     ) {
         let document = &state.document;
         match (task, pick) {
-            (Task::Add { at, link, dropped }, Pick::Kind(def, wired, set)) => {
+            (Task::Add { at, link, dropped }, FinderChoice::Kind(def, wired, set)) => {
                 let link = link.as_ref().filter(|_| wired);
                 let at = commands::place_new(faces, def, *at, link, *dropped);
                 let (edit, id) = edits::add(document, def, at, link, state.group.as_ref());
@@ -78,7 +80,7 @@ impl Canvas {
                 out.push(Event::Edit(edits::and_set(edit, &id, set)));
                 out.push(Event::Select(Select::Nodes(vec![id])));
             }
-            (Task::Insert(wire, at), Pick::Kind(def, _, set)) => {
+            (Task::Insert(wire, at), FinderChoice::Kind(def, _, set)) => {
                 let at = *at - vec2(faces::WIDTH / 2.0, faces::HEADER);
                 match edits::insert_new(document, def, at, wire) {
                     Ok((edit, id)) => {
@@ -89,13 +91,13 @@ impl Canvas {
                     Err(why) => out.push(Event::Say(Note::warning(why))),
                 }
             }
-            (Task::Swap(id), Pick::Kind(def, _, set)) => {
+            (Task::Swap(id), FinderChoice::Kind(def, _, set)) => {
                 match wiring::change_kind(document, id, def.id) {
                     Ok(edit) => out.push(Event::Edit(edits::and_set(edit, id, set))),
                     Err(why) => out.push(Event::Say(Note::error(why).of(id.clone()))),
                 }
             }
-            (Task::Connect(_), Pick::Plug(from, node, number)) => {
+            (Task::Connect(_), FinderChoice::Plug(from, node, number)) => {
                 let plug = faces.all.get(&node).and_then(|face| face.inputs.get(number));
                 let edit = plug.and_then(|plug| edits::connect(document, &from, plug, None));
                 out.extend(edit.map(Event::Edit));
@@ -124,7 +126,7 @@ fn trail(state: &State, ui: &Ui, area: Rect, out: &mut Vec<Event>) {
                 let name: String = name.chars().take(40).collect();
                 if n + 1 == way.len() {
                     ui.strong(name);
-                } else if ui.small_button(name).on_hover_text("Goes back out to here.").clicked() {
+                } else if ui.small_button(name).on_hover_text("Go back to this level.").clicked() {
                     out.push(Event::Enter(place.clone()));
                 }
             }

@@ -35,7 +35,7 @@ pub(super) struct Scene<'a> {
 
 /// What the scene found.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct DrawnScene {
     /// Where the nodes stand, as they were drawn.
     pub corners: BTreeMap<NodeId, Pos2>,
     /// How the wires run.
@@ -46,9 +46,9 @@ pub(super) struct Found {
 
 impl Scene<'_> {
     /// Draws everything and takes what the pointer does.
-    pub(super) fn show(mut self, ui: &mut Ui, show: egui_graph::Show<'_>) -> Found {
+    pub(super) fn show(mut self, ui: &mut Ui, show: egui_graph::Show<'_>) -> DrawnScene {
         // The crate's sizes of sockets and frames follow this.
-        let mut found = Found::default();
+        let mut found = DrawnScene::default();
         dots(ui, self.scale);
         self.comment_frames(ui);
         let seen = ui.clip_rect();
@@ -172,7 +172,7 @@ impl Scene<'_> {
         ui: &mut Ui,
         face: &Face,
         detail: Detail,
-        found: &mut Found,
+        found: &mut DrawnScene,
     ) {
         // From far away no socket can be hit: the crate need not know them.
         let near = detail.has_sockets();
@@ -214,7 +214,7 @@ impl Scene<'_> {
         self.pressed(face, &response, ui);
     }
 
-    fn flags(&mut self, face: &Face, touched: &node::Touched) {
+    fn flags(&mut self, face: &Face, touched: &node::NodeResponse) {
         if touched.display {
             let shown = (!face.displayed).then(|| face.id.clone());
             self.out.push(Event::Display(shown));
@@ -225,7 +225,7 @@ impl Scene<'_> {
         }
     }
 
-    fn socket(&mut self, face: &Face, end: End, response: &egui::Response, found: &mut Found) {
+    fn socket(&mut self, face: &Face, end: End, response: &egui::Response, found: &mut DrawnScene) {
         let document = &self.state.document;
         let all = response.ctx.input(|i| i.modifiers.shift);
         if response.drag_started_by(egui::PointerButton::Primary) {
@@ -321,7 +321,7 @@ impl Scene<'_> {
         }
     }
 
-    fn wires(&mut self, ui: &Ui, found: &Found) {
+    fn wires(&mut self, ui: &Ui, found: &DrawnScene) {
         let seen = ui.clip_rect();
         let knife = self.knife(ui, found);
         let idle = self.memory.is_quiet() && !knife && ui.response().contains_pointer();
@@ -357,7 +357,7 @@ impl Scene<'_> {
     }
 
     /// Marks what differs from another document: wires behind the nodes, nodes over them.
-    fn marks(&self, ui: &Ui, found: &Found) {
+    fn marks(&self, ui: &Ui, found: &DrawnScene) {
         let Some(marks) = &self.memory.marks else { return };
         for run in &found.runs {
             if let Some(mark) = marks.wires.get(&run.wire) {
@@ -403,7 +403,7 @@ impl Scene<'_> {
     }
 
     /// The knife: drawn with Ctrl held. Gives whether it is in the hand or could be.
-    fn knife(&mut self, ui: &Ui, found: &Found) -> bool {
+    fn knife(&mut self, ui: &Ui, found: &DrawnScene) -> bool {
         let cutting = matches!(self.memory.hand, Hand::Cut(_));
         let could = ui.input(|i| i.modifiers.command) && matches!(self.memory.hand, Hand::Empty);
         if !cutting && !could {
@@ -431,7 +431,7 @@ impl Scene<'_> {
         cutting
     }
 
-    fn bends(&mut self, ui: &Ui, found: &Found) {
+    fn bends(&mut self, ui: &Ui, found: &DrawnScene) {
         if self.scale < 0.3 {
             return;
         }
@@ -473,7 +473,7 @@ impl Scene<'_> {
     }
 
     /// Draws what the hand holds, over everything.
-    fn held(&mut self, ui: &Ui, found: &Found) {
+    fn held(&mut self, ui: &Ui, found: &DrawnScene) {
         if matches!(self.memory.hand, Hand::Empty) {
             return;
         }
@@ -492,7 +492,7 @@ impl Scene<'_> {
         }
     }
 
-    fn loose(&self, p: &Painter, loose: &Loose, found: &Found, pointer: Pos2) {
+    fn loose(&self, p: &Painter, loose: &Loose, found: &DrawnScene, pointer: Pos2) {
         let place = |node: &NodeId, end: End| {
             let (face, corner) = (self.faces.all.get(node)?, *found.corners.get(node)?);
             Some(match end {

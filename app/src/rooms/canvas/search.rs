@@ -18,7 +18,7 @@ pub(crate) struct Score {
 
 /// What can be searched for, beyond a label.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Entry<'a> {
+pub(crate) struct SearchEntry<'a> {
     /// What people read.
     pub label: &'a str,
     /// Its name in files.
@@ -52,7 +52,7 @@ fn fold(text: &str) -> String {
 }
 
 /// How well `entry` fits what was typed; none when it does not. Nothing typed fits everything.
-pub(crate) fn score(typed: &str, entry: &Entry<'_>) -> Option<Score> {
+pub(crate) fn score(typed: &str, entry: &SearchEntry<'_>) -> Option<Score> {
     let typed = fold(typed);
     if typed.is_empty() {
         return Some(Score { tier: EXACT, place: 0 });
@@ -74,7 +74,7 @@ pub(crate) fn score(typed: &str, entry: &Entry<'_>) -> Option<Score> {
     Some(total)
 }
 
-fn score_word(typed: &str, label: &str, words: &str, entry: &Entry<'_>) -> Option<Score> {
+fn score_word(typed: &str, label: &str, words: &str, entry: &SearchEntry<'_>) -> Option<Score> {
     let at = |tier, place: usize| Some(Score { tier, place: place as u32 });
     let starts = |text: &str| text.split(' ').position(|word| word.starts_with(typed));
     if let Some(place) = starts(label) {
@@ -273,7 +273,7 @@ fn stem(word: &str) -> &str {
 fn score_node(typed: &str, def: &'static NodeDef) -> Option<Score> {
     let (label, id, words) = (def.label, def.id, def.words);
     // Manuals are long; most searches end before them.
-    let short = Entry { label, id, words, ..Entry::default() };
+    let short = SearchEntry { label, id, words, ..SearchEntry::default() };
     score(typed, &short).or_else(|| {
         let mut parts: Vec<&str> =
             def.inputs.iter().flat_map(|input| [input.name, input.words]).collect();
@@ -283,7 +283,7 @@ fn score_node(typed: &str, def: &'static NodeDef) -> Option<Score> {
             }
         }
         let (parts, doc) = (parts.join(" "), def.doc());
-        score(typed, &Entry { parts: &parts, doc: &doc, ..short })
+        score(typed, &SearchEntry { parts: &parts, doc: &doc, ..short })
     })
 }
 
@@ -495,9 +495,10 @@ mod tests {
 
     #[test]
     fn any_script_can_be_searched() {
-        let entry = Entry {
-            label: "косы спереди", words: "辫子 τάσι", ..Entry::default()
-        };
+        let entry =
+            SearchEntry {
+                label: "косы спереди", words: "辫子 τάσι", ..SearchEntry::default()
+            };
         for typed in ["Косы", "спер", "辫子", "ΤΆΣΙ"] {
             assert!(score(typed, &entry).is_some(), "{typed}");
         }

@@ -13,13 +13,13 @@ use std::sync::Arc;
 const LONGEST: usize = 160;
 
 /// A line of text, ready to be shown.
-pub(super) struct Line {
+pub(super) struct TextLine {
     galley: Arc<Galley>,
     scale: f32,
 }
 
 /// Lays out the first line of a text, in units of the canvas.
-pub(super) fn line(ui: &Ui, text: &str, size: f32, colour: Color32, room: f32) -> Line {
+pub(super) fn line(ui: &Ui, text: &str, size: f32, colour: Color32, room: f32) -> TextLine {
     let to_screen = ui.ctx().layer_transform_to_global(ui.layer_id());
     let scale = to_screen.map_or(1.0, |t| t.scaling).max(0.01);
     let text: String = text.lines().next().unwrap_or_default().chars().take(LONGEST).collect();
@@ -33,10 +33,10 @@ pub(super) fn line(ui: &Ui, text: &str, size: f32, colour: Color32, room: f32) -
         break_anywhere: true,
         overflow_character: Some('\u{2026}'),
     };
-    Line { galley: ui.painter().layout_job(job), scale }
+    TextLine { galley: ui.painter().layout_job(job), scale }
 }
 
-impl Line {
+impl TextLine {
     /// Width and height, in units of the canvas.
     pub(super) fn size(&self) -> Vec2 {
         self.galley.size() / self.scale

@@ -4,7 +4,7 @@
 //! Pure but for [`show`]. A colour that hair cannot have becomes the nearest that it can, which is said: for others there is
 //! the dye.
 
-use super::target::{Held, How, Target};
+use super::target::{EditTarget, How, InputSetting};
 use super::wheel;
 use crate::widgets::text::text_field;
 use coif_graphs::document::Setting;
@@ -98,15 +98,15 @@ fn hex(colour: [u8; 3]) -> String {
 }
 
 /// Shows it over the inputs of a node whose colour is pigment; nothing over others.
-pub(super) fn show(ui: &mut Ui, target: &mut Target, def: &'static NodeDef, width: f32) {
+pub(super) fn show(ui: &mut Ui, target: &mut EditTarget, def: &'static NodeDef, width: f32) {
     let input = |name: &str| def.input(name).map(|(_, input)| input);
     let (Some(root), Some(tip), Some(red)) =
         (input("melanin_root"), input("melanin_tip"), input("redness"))
     else {
         return;
     };
-    let number = |target: &Target, input: &InputDef| match target.held(input) {
-        Held::Value(Value::Float(x)) => x,
+    let number = |target: &EditTarget, input: &InputDef| match target.held(input) {
+        InputSetting::Value(Value::Float(x)) => x,
         _ => 0.0,
     };
     let now = [root, tip, red].map(|input| number(target, input));
@@ -134,7 +134,7 @@ pub(super) fn show(ui: &mut Ui, target: &mut Target, def: &'static NodeDef, widt
                 };
                 let (button, mut picked) =
                     wheel::picker(ui, name, colour, becomes, |wanted| told(wanted, now[2]));
-                button.on_hover_text("Becomes the pigment that comes nearest.");
+                button.on_hover_text("Set the nearest natural pigment.");
                 ui.label(name);
                 let rest = ui.available_width().min(90.0);
                 let typed =

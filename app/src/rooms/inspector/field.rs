@@ -17,7 +17,7 @@ use egui::{
 
 /// The names that there are to choose from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Known {
+pub(crate) struct FieldNames {
     /// Attributes that are numbers.
     pub(crate) attributes: Vec<String>,
     /// Masks of the heads.
@@ -31,16 +31,16 @@ pub(crate) struct FieldEditor<'a> {
     /// Unit and range of its numbers.
     pub(crate) scale: &'a Scale,
     /// Names to choose from.
-    pub(crate) known: &'a Known,
+    pub(crate) names: &'a FieldNames,
 }
 
 /// Where a number can come from, in the menu's order: name and explanation.
 const SOURCES: [(&str, &str); 5] = [
     ("Number", "The same everywhere."),
-    ("Ramp", "Changes from root to tip of each curve."),
-    ("Attribute", "A number that the curves bring along, such as radius."),
-    ("Mask", "A painted or drawn mask of the head, under each root."),
-    ("Product", "Several of these, multiplied: a ramp times a mask."),
+    ("Ramp", "Varies from root to tip of each curve."),
+    ("Attribute", "An attribute of the curves, such as radius."),
+    ("Mask", "A painted or drawn mask of the head, read at each root."),
+    ("Product", "A product of these, such as a ramp times a mask."),
 ];
 
 fn source(field: &Field) -> usize {
@@ -79,8 +79,8 @@ impl FieldEditor<'_> {
         match to {
             0 => Field::Constant(typical),
             1 => Field::Ramp(even(typical)),
-            2 => Field::Attribute(name(&self.known.attributes)),
-            3 => Field::Mask(name(&self.known.masks)),
+            2 => Field::Attribute(name(&self.names.attributes)),
+            3 => Field::Mask(name(&self.names.masks)),
             _ => Field::Product(vec![field.clone(), Field::Constant(1.0)]),
         }
     }
@@ -105,7 +105,7 @@ impl FieldEditor<'_> {
         Popup::menu(&response).show(|ui| {
             panel::list(ui, |ui| {
                 for (to, (label, tip)) in SOURCES.iter().enumerate() {
-                    let can = to != 3 || at == 3 || !self.known.masks.is_empty();
+                    let can = to != 3 || at == 3 || !self.names.masks.is_empty();
                     let chosen =
                         ui.add_enabled_ui(can, |ui| ui.selectable_label(at == to, *label)).inner;
                     let chosen = chosen.on_hover_text(*tip);
@@ -146,11 +146,11 @@ impl FieldEditor<'_> {
                 Some((Field::Ramp(ramp), how))
             }
             Field::Attribute(name) => {
-                let new = self.name_field(ui, "attribute", name, &self.known.attributes, width)?;
+                let new = self.name_field(ui, "attribute", name, &self.names.attributes, width)?;
                 Some((Field::Attribute(new), How::Once))
             }
             Field::Mask(name) => {
-                let new = self.name_field(ui, "mask", name, &self.known.masks, width)?;
+                let new = self.name_field(ui, "mask", name, &self.names.masks, width)?;
                 Some((Field::Mask(new), How::Once))
             }
             Field::Painted(_) | Field::Texture(_) => None,
@@ -206,7 +206,7 @@ impl FieldEditor<'_> {
                 let name = format!("{} factor {}", self.name, i + 1);
                 // The first factor has the input's unit, the others count how often.
                 let scale = if i == 0 { self.scale } else { &factor };
-                let editor = FieldEditor { name: &name, scale, known: self.known };
+                let editor = FieldEditor { name: &name, scale, names: self.names };
                 ui.push_id(i, |ui| {
                     ui.horizontal_top(|ui| {
                         ui.spacing_mut().item_spacing.x = 2.0;
@@ -225,7 +225,7 @@ impl FieldEditor<'_> {
                     });
                 });
             }
-            let add = ui.button("Add a factor").on_hover_text("Multiplies by one thing more.");
+            let add = ui.button("Add a factor").on_hover_text("Multiply by another factor.");
             set_name(ui, &add, &format!("{}: add a factor", self.name));
             if add.clicked() {
                 let more = [parts, &[Field::Constant(1.0)]].concat();
@@ -287,8 +287,8 @@ mod tests {
     #[test]
     fn switching_the_source_keeps_what_the_other_can_say() {
         let scale = Scale::new(Unit::Length, Some((0.0, 4.0)), None, false);
-        let known = Known { attributes: vec!["radius".into()], masks: vec!["fringe".into()] };
-        let editor = FieldEditor { name: "x", scale: &scale, known: &known };
+        let known = FieldNames { attributes: vec!["radius".into()], masks: vec!["fringe".into()] };
+        let editor = FieldEditor { name: "x", scale: &scale, names: &known };
         let number = Field::Constant(2.5);
         let ramp = editor.switched(&number, 1);
         assert_eq!(ramp, Field::Ramp(even(2.5)));
@@ -299,8 +299,8 @@ mod tests {
         assert_eq!(editor.switched(&product, 3), Field::Mask("fringe".into()));
         assert_eq!(editor.switched(&product, 0), Field::Constant(1.0));
         assert_eq!(editor.switched(&Field::Attribute("radius".into()), 0), Field::Constant(1.0));
-        let nothing = Known::default();
-        let editor = FieldEditor { known: &nothing, ..editor };
+        let nothing = FieldNames::default();
+        let editor = FieldEditor { names: &nothing, ..editor };
         assert_eq!(editor.switched(&number, 2), Field::Attribute(String::new()));
     }
 

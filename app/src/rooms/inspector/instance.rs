@@ -5,7 +5,7 @@ use crate::core::state::State;
 use crate::core::templates::{self, Newer, Which};
 use crate::widgets::theme;
 use coif_graphs::document::{NodeId, Origin};
-use coif_graphs::template::{Fate, Told};
+use coif_graphs::template::{Fate, OverrideOutcome};
 use egui::{Label, RichText, ScrollArea, Ui};
 
 /// Height of the list of what would change.
@@ -13,7 +13,7 @@ const LIST: f32 = 160.0;
 
 /// Shows it, over the inputs of an instance.
 pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out: &mut Vec<Event>) {
-    let mut say = |event: templates::Event| out.push(Event::Templates(event));
+    let mut say = |event: templates::TemplateEvent| out.push(Event::Templates(event));
     let made_of = format!("Made of {} {}", origin.name, origin.version);
     ui.add(Label::new(RichText::new(made_of.trim_end()).color(theme::QUIET)).truncate())
         .on_hover_text(from(origin));
@@ -21,9 +21,9 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
     if origin.locked {
         ui.horizontal_wrapped(|ui| {
             quiet(ui, "Kept at this version.");
-            let tip = "Newer versions are told again, and can take its place";
+            let tip = "Offer newer versions of its template again";
             if ui.button("Let it be upgraded").on_hover_text(tip).clicked() {
-                say(templates::Event::Keep { id: id.clone(), kept: false });
+                say(templates::TemplateEvent::Keep { id: id.clone(), kept: false });
             }
         });
         return;
@@ -41,34 +41,34 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
             ui.label(RichText::new(format!("⬆ {text}")).color(theme::ACCENT));
             let offer = state.offer.as_ref().filter(|offer| offer.id == *id);
             if let Some(offer) = offer {
-                told(ui, &offer.told, offer.changed_inside);
+                told(ui, &offer.overrides, offer.changed_inside);
             }
             ui.horizontal_wrapped(|ui| {
                 match offer {
                     None => {
                         let tip =
-                            "What would become of every value and wire on it; nothing changes yet";
+                            "List what happens to every value and wire on it. Nothing changes yet";
                         if ui.button("Show what changes").on_hover_text(tip).clicked() {
                             let template = Which(newer.clone());
-                            say(templates::Event::Compare { id: id.clone(), template });
+                            say(templates::TemplateEvent::Compare { id: id.clone(), template });
                         }
                     }
                     Some(offer) => {
                         let words =
                             if offer.changed_inside { "Upgrade all the same" } else { "Upgrade" };
                         let tip =
-                            format!("Puts version {} in its place, in one step", offer.version());
+                            format!("Replace it by version {}, as one undo step", offer.version());
                         if ui.button(words).on_hover_text(tip).clicked() {
-                            say(templates::Event::Upgrade);
+                            say(templates::TemplateEvent::Upgrade);
                         }
-                        if ui.button("Not now").on_hover_text("Closes the list").clicked() {
-                            say(templates::Event::NotNow);
+                        if ui.button("Not now").on_hover_text("Close the list").clicked() {
+                            say(templates::TemplateEvent::NotNow);
                         }
                     }
                 }
-                let tip = "Stays at its version for good; no newer one is told of";
+                let tip = "Stay at this version and offer no newer ones";
                 if ui.button("Keep this version").on_hover_text(tip).clicked() {
-                    say(templates::Event::Keep { id: id.clone(), kept: true });
+                    say(templates::TemplateEvent::Keep { id: id.clone(), kept: true });
                 }
             });
         }
@@ -82,13 +82,13 @@ fn from(origin: &Origin) -> String {
     let lines: Vec<String> =
         lines.iter().filter(|(_, text)| !text.is_empty()).map(|(a, b)| format!("{a}{b}")).collect();
     match lines.is_empty() {
-        true => "Nothing is said of where it comes from".to_owned(),
+        true => "Origin not stated".to_owned(),
         false => lines.join("\n"),
     }
 }
 
 /// Every value and wire with its fate, what is lost first.
-fn told(ui: &mut Ui, told: &[Told], changed_inside: bool) {
+fn told(ui: &mut Ui, told: &[OverrideOutcome], changed_inside: bool) {
     if changed_inside {
         let text = "⚠ It was changed inside: these changes would be lost.";
         ui.label(RichText::new(text).color(theme::WARNING));
@@ -97,13 +97,13 @@ fn told(ui: &mut Ui, told: &[Told], changed_inside: bool) {
         ui.label("Nothing is set on it or wired to it: nothing can be lost.");
         return;
     }
-    let rank = |told: &&Told| match told.fate {
+    let rank = |told: &&OverrideOutcome| match told.fate {
         Fate::Lost { .. } => 0,
         Fate::Clamped { .. } => 1,
         Fate::Moved { .. } => 2,
         Fate::Kept => 3,
     };
-    let mut told: Vec<&Told> = told.iter().collect();
+    let mut told: Vec<&OverrideOutcome> = told.iter().collect();
     told.sort_by_key(rank);
     let list = ScrollArea::vertical().id_salt("fates").max_height(LIST).auto_shrink([false, true]);
     list.show(ui, |ui| {

@@ -34,10 +34,10 @@ use coif_nodes::data::attributes::{Column, DECLARED};
 use coif_nodes::declared;
 use coif_nodes::define::{Group, InputDef, NodeDef, NodeError, Type};
 use egui::{Color32, Label, RichText, ScrollArea, TextEdit, Ui};
-use field::Known;
+use field::FieldNames;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
-use target::{Gesture, Target};
+use target::{DragState, EditTarget};
 
 /// With fewer inputs a filter is more than there is to filter.
 const FILTERED_FROM: usize = 6;
@@ -45,7 +45,7 @@ const FILTERED_FROM: usize = 6;
 /// What the inspector remembers between frames.
 #[derive(Default)]
 pub(crate) struct Inspector {
-    gesture: Gesture,
+    gesture: DragState,
     filter: String,
     /// Groups that somebody has opened or closed, in whichever node.
     groups: BTreeMap<Group, bool>,
@@ -55,7 +55,7 @@ pub(crate) struct Inspector {
     /// What is wrong with the document, as of a number of changes.
     problems: Option<(u64, Vec<Problem>)>,
     /// Names to choose from, as of an evaluation.
-    known: Known,
+    known: FieldNames,
     known_of: Weak<Shown>,
     /// Whether all that is said of the node is listed, not its worst alone.
     says_all: bool,
@@ -129,13 +129,13 @@ impl Inspector {
             set_name(ui, &filter, "Filter inputs");
         }
         let Self { gesture, said, known, filter, groups, .. } = self;
-        let mut target = Target { state, nodes: &nodes, out, gesture, said };
+        let mut target = EditTarget { state, nodes: &nodes, out, gesture, said };
         let wired = |input: &&InputDef| matches!(input.ty, Type::Curves | Type::Scalp);
         let asked = |input: &&'static InputDef| matches(input, filter);
         let width = ui.available_width();
         let (wires, set): (Vec<&'static InputDef>, Vec<&'static InputDef>) =
             def.inputs.iter().filter(asked).partition(wired);
-        let row = |ui: &mut Ui, target: &mut Target, input: &'static InputDef| {
+        let row = |ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef| {
             ui.push_id(input.name, |ui| row::show(ui, target, input, known, width));
         };
         wires.iter().for_each(|input| row(ui, &mut target, input));
@@ -196,7 +196,7 @@ impl Inspector {
                 let line = ui.add(Label::new(text).truncate().sense(egui::Sense::click()));
                 // Also what does not fit.
                 ui.ctx().accesskit_node_builder(line.id, |node| node.set_value(whole));
-                let tip = if self.says_all { "Closes the list" } else { "Opens the list" };
+                let tip = if self.says_all { "Close the list" } else { "Open the list" };
                 if line.on_hover_text(tip).clicked() {
                     self.says_all = !self.says_all;
                 }
@@ -337,7 +337,7 @@ fn alike(state: &State, active: &NodeId, kind: &str, def: Option<&'static NodeDe
 /// The line over a group of inputs, which opens and closes it. Closed, it says what it holds.
 fn heading(
     ui: &mut Ui,
-    target: &Target,
+    target: &EditTarget,
     group: Group,
     inputs: &[&'static InputDef],
     open: bool,
@@ -358,7 +358,7 @@ fn heading(
     line.on_hover_ui(|ui| {
         let names: Vec<String> = inputs.iter().map(|input| text::spoken(input.name)).collect();
         ui.set_max_width(380.0);
-        ui.label(if open { "Closes the group.".to_owned() } else { names.join(", ") });
+        ui.label(if open { "Collapse the group.".to_owned() } else { names.join(", ") });
     })
 }
 
@@ -369,7 +369,7 @@ fn matches(input: &InputDef, filter: &str) -> bool {
 }
 
 /// Names of attributes and masks that fields can ask for.
-fn names(shown: Option<&Shown>) -> Known {
+fn names(shown: Option<&Shown>) -> FieldNames {
     let number = |ty: &str| ty == "f32" || ty == "i32";
     let declared = DECLARED.iter().filter(|(_, ty, _)| number(ty)).map(|(name, ..)| *name);
     let mut attributes: BTreeSet<String> = declared.map(str::to_owned).collect();
@@ -383,7 +383,7 @@ fn names(shown: Option<&Shown>) -> Known {
         }
         masks.extend(shown.scalps.iter().flat_map(|scalp| scalp.mask_names()));
     }
-    Known { attributes: attributes.into_iter().collect(), masks: masks.into_iter().collect() }
+    FieldNames { attributes: attributes.into_iter().collect(), masks: masks.into_iter().collect() }
 }
 
 /// Name, kind, bypass and note.
@@ -429,9 +429,9 @@ fn header(
             let can = !edits.is_empty();
             let reset = ui.add_enabled(can, egui::Button::new("Reset all inputs"));
             let reset = reset.on_hover_text(
-                "What was drawn and wires stay; every other input gets its default.",
+                "Reset every input to its default. Strokes, gestures and wires stay.",
             );
-            if reset.on_disabled_hover_text("All are at their defaults.").clicked() {
+            if reset.on_disabled_hover_text("All inputs are at their defaults.").clicked() {
                 once(edits, out);
                 ui.close();
             }
@@ -452,8 +452,7 @@ fn header(
         let right = egui::Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right, |ui| {
             let check = ui.checkbox(&mut bypass, "Bypass");
-            let check =
-                check.on_hover_text("Passes its input through as if the node were not there.");
+            let check = check.on_hover_text("Bypass the node: its input passes through unchanged.");
             if check.changed() {
                 let edit = |id: &NodeId| Edit::SetBypass { id: id.clone(), bypass };
                 once(nodes.iter().map(edit).collect(), out);
@@ -525,7 +524,7 @@ fn document(state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
     }
     let seed = document.seed.to_string();
     ui.horizontal(|ui| {
-        ui.label("Seed").on_hover_text("All randomness of the groom hangs from it.");
+        ui.label("Seed").on_hover_text("Seed of all randomness in the groom.");
         let width = ui.available_width();
         if let Some(seed) = text_field(ui, "Seed", &seed, "a whole number", (width, 1))
             && let Ok(seed) = seed.trim().parse()

@@ -29,7 +29,7 @@ pub(crate) struct Scale {
 
 /// What was typed: a number, or a change of the one there is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Entry {
+pub(crate) enum NumberEdit {
     /// This number, in document units.
     Set(f64),
     /// `+=` and `-=`.
@@ -38,13 +38,13 @@ pub(crate) enum Entry {
     Times(f64),
 }
 
-impl Entry {
+impl NumberEdit {
     /// The new number, where `old` was.
     pub(crate) fn apply(self, old: f64) -> f64 {
         match self {
-            Entry::Set(x) => x,
-            Entry::Add(x) => old + x,
-            Entry::Times(x) => old * x,
+            NumberEdit::Set(x) => x,
+            NumberEdit::Add(x) => old + x,
+            NumberEdit::Times(x) => old * x,
         }
     }
 }
@@ -140,7 +140,7 @@ impl Scale {
     }
 
     /// Reads what was typed. The error says what is wrong with it, without a full stop.
-    pub(crate) fn read(&self, text: &str) -> Result<Entry, String> {
+    pub(crate) fn read(&self, text: &str) -> Result<NumberEdit, String> {
         if text.len() > LONGEST {
             return Err("the text is too long for a number".to_owned());
         }
@@ -157,16 +157,16 @@ impl Scale {
         }
         let in_units = if with_unit { x } else { x * self.shown };
         let entry = match relative {
-            None => Entry::Set(in_units),
-            Some("+=") => Entry::Add(in_units),
-            Some("-=") => Entry::Add(-in_units),
+            None => NumberEdit::Set(in_units),
+            Some("+=") => NumberEdit::Add(in_units),
+            Some("-=") => NumberEdit::Add(-in_units),
             Some(sign) if with_unit && self.unit != Unit::Ratio => {
                 return Err(format!("{sign} takes a plain number"));
             }
-            Some("*=") => Entry::Times(x),
-            Some(_) => Entry::Times(1.0 / x),
+            Some("*=") => NumberEdit::Times(x),
+            Some(_) => NumberEdit::Times(1.0 / x),
         };
-        let (Entry::Set(y) | Entry::Add(y) | Entry::Times(y)) = entry;
+        let (NumberEdit::Set(y) | NumberEdit::Add(y) | NumberEdit::Times(y)) = entry;
         if y.is_finite() { Ok(entry) } else { Err("the result is not a finite number".to_owned()) }
     }
 
@@ -353,7 +353,7 @@ mod tests {
         let per = scale(Unit::PerCm, (0.0, 9.0));
         let twist = scale(Unit::AnglePerCm, (-20.0, 20.0));
         let check = |scale: &Scale, text: &str, want: f64| match scale.read(text) {
-            Ok(Entry::Set(x)) => assert!((x - want).abs() < 1e-9, "{text}: {x}"),
+            Ok(NumberEdit::Set(x)) => assert!((x - want).abs() < 1e-9, "{text}: {x}"),
             other => panic!("{text}: {other:?}"),
         };
         for (scale, text, want) in [
@@ -452,7 +452,7 @@ mod tests {
                     text.push(letters[(seed >> 33) as usize % letters.len()]);
                 }
                 if let Ok(entry) = scale.read(&text) {
-                    let (Entry::Set(x) | Entry::Add(x) | Entry::Times(x)) = entry;
+                    let (NumberEdit::Set(x) | NumberEdit::Add(x) | NumberEdit::Times(x)) = entry;
                     assert!(x.is_finite(), "{text}");
                 }
             }
@@ -464,7 +464,7 @@ mod tests {
         let check = |unit, slider, x: f64, want: &str| {
             let scale = scale(unit, slider);
             assert_eq!(scale.text(x), want);
-            let Ok(Entry::Set(back)) = scale.read(&scale.exact(x)) else { panic!("{want}") };
+            let Ok(NumberEdit::Set(back)) = scale.read(&scale.exact(x)) else { panic!("{want}") };
             assert!((back - x).abs() <= 1e-6 * x.abs(), "{x} {back}");
         };
         check(Unit::Length, (0.0, 0.5), 0.04f32.into(), "0.4 mm");

@@ -4,7 +4,7 @@
 //! A port's type is what it was made for and does not change. What is wired and set goes with a port that is renamed; with
 //! one that is removed it goes too.
 
-use super::target::Target;
+use super::target::EditTarget;
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::state::State;
@@ -211,7 +211,7 @@ fn changed(
 }
 
 /// Entries of an input's menu: make a port of it, or let it read one.
-pub(super) fn menu(ui: &mut Ui, target: &mut Target, input: &'static InputDef) {
+pub(super) fn menu(ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef) {
     let [node] = target.nodes else { return };
     let document = &target.state.document;
     let socket = Socket::new(node.clone(), input.name);

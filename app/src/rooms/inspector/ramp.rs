@@ -216,9 +216,9 @@ impl RampField<'_> {
                 .selected_text(blend_name(ramp.blend))
                 .show_ui(ui, |ui| {
                     for (blend, tip) in [
-                        (Blend::Linear, "Straight from point to point."),
-                        (Blend::Smooth, "Level at every point."),
-                        (Blend::Step, "Each point's value up to the next."),
+                        (Blend::Linear, "Linear between points."),
+                        (Blend::Smooth, "Smooth, flat at every point."),
+                        (Blend::Step, "Constant up to the next point."),
                     ] {
                         let chosen = ui.selectable_label(ramp.blend == blend, blend_name(blend));
                         if chosen.on_hover_text(tip).clicked() {
@@ -231,7 +231,7 @@ impl RampField<'_> {
                 new = panel::list(ui, |ui| self.menu(ui, id, ramp)).or(new.take());
             });
             set_name(ui, &menu.response, &format!("{} shape", self.name));
-            menu.response.on_hover_text("Shapes to begin with, flip, scale, copy and paste.");
+            menu.response.on_hover_text("Presets, flip, scale, copy and paste.");
             let name = format!("{}: add a point", self.name);
             if icon_button(ui, "+", &name).clicked() {
                 let (more, at) = stops::add(ramp, 0.5, None, limits);
@@ -276,8 +276,8 @@ impl RampField<'_> {
                 NumberField { name: &name, value: Some(value), instead: None, unset: None, scale };
             let (response, done) = field.show(ui, width);
             response.on_hover_text(match is_x {
-                true => "Where the point lies, from root (0 %) to tip (100 %).",
-                false => "The value there.",
+                true => "Position of the point, from root (0 %) to tip (100 %).",
+                false => "Value of the point.",
             });
             let (to, how) = match done {
                 Some(Done::Dragged(to)) => (to, How::Drag),
@@ -302,9 +302,9 @@ impl RampField<'_> {
         }
         ui.separator();
         for (label, tip, made) in [
-            ("Flip", "Root and tip change places.", stops::flip(ramp)),
-            ("Half as strong", "All values times 0.5.", stops::scale(ramp, 0.5, limits)),
-            ("Twice as strong", "All values times 2.", stops::scale(ramp, 2.0, limits)),
+            ("Flip", "Mirror the ramp: root and tip swap.", stops::flip(ramp)),
+            ("Half as strong", "Multiply all values by 0.5.", stops::scale(ramp, 0.5, limits)),
+            ("Twice as strong", "Multiply all values by 2.", stops::scale(ramp, 2.0, limits)),
         ] {
             if ui.button(label).on_hover_text(tip).clicked() {
                 new = Some(made);

@@ -1,7 +1,7 @@
 //! One row of the inspector: socket, name, value, reset; and the tooltip, which is the manual.
 
 use super::number::Scale;
-use super::target::{Target, default_of};
+use super::target::{EditTarget, default_of};
 use super::value;
 use crate::core::event::Event;
 use crate::core::state::Select;
@@ -23,9 +23,9 @@ const NAMES: f32 = 0.38;
 /// Shows an input of the target, `width` points wide.
 pub(crate) fn show(
     ui: &mut Ui,
-    target: &mut Target,
+    target: &mut EditTarget,
     input: &'static InputDef,
-    known: &super::Known,
+    known: &super::FieldNames,
     width: f32,
 ) {
     let height = ui.spacing().interact_size.y;
@@ -68,7 +68,7 @@ fn colour(ty: Type) -> Color32 {
 }
 
 /// The socket: filled when wired, a ring when the canvas shows it, a dot when it does not.
-fn socket(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, height: f32) {
+fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, height: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(EDGE, height), Sense::click());
     let colour = colour(input.ty);
     let wired = !target.wires(input).is_empty();
@@ -102,14 +102,14 @@ fn socket(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, height
     }
     let response = response.on_hover_cursor(CursorIcon::PointingHand);
     response.on_hover_text(if exposed {
-        "The canvas shows this input as a socket. Click to take it away."
+        "Shown as a socket on the canvas. Click to hide the socket."
     } else {
-        "Click to show this input as a socket on the canvas, so that a wire can drive it."
+        "Click to show this input as a socket on the canvas, to wire it."
     });
 }
 
 /// The name. What is changed from its default stands out by weight of colour and a bar.
-fn label(ui: &mut Ui, target: &Target, input: &InputDef, name: &str, size: Vec2) -> Response {
+fn label(ui: &mut Ui, target: &EditTarget, input: &InputDef, name: &str, size: Vec2) -> Response {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let changed = target.is_changed(input);
     let colour = if changed { theme::TEXT } else { theme::QUIET };
@@ -124,12 +124,12 @@ fn label(ui: &mut Ui, target: &Target, input: &InputDef, name: &str, size: Vec2)
 }
 
 /// What the manual says.
-pub(crate) fn tooltip(ui: &mut Ui, target: &Target, input: &InputDef, name: &str) {
+pub(crate) fn tooltip(ui: &mut Ui, target: &EditTarget, input: &InputDef, name: &str) {
     ui.set_max_width(380.0);
     ui.strong(name);
     ui.label(input.doc());
     if let Some(why) = target.idle(input) {
-        ui.colored_label(theme::WARNING, format!("Counts for nothing now: {why}."));
+        ui.colored_label(theme::WARNING, format!("Has no effect now: {why}."));
     }
     let scale = Scale::of(input);
     let mut facts = vec![];
@@ -166,15 +166,15 @@ fn told(value: &Value, scale: &Scale) -> String {
     }
 }
 
-fn menu(ui: &mut Ui, target: &mut Target, input: &'static InputDef) {
+fn menu(ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef) {
     let set = target.is_set(input);
     let reset = ui.add_enabled(set, egui::Button::new("Reset to default"));
-    if reset.on_disabled_hover_text("It is the default already.").clicked() {
+    if reset.on_disabled_hover_text("Already at the default.").clicked() {
         target.unset(input);
         ui.close();
     }
     super::ports::menu(ui, target, input);
-    if let super::target::Held::Value(value) = target.held(input)
+    if let super::target::InputSetting::Value(value) = target.held(input)
         && ui.button("Copy as text").clicked()
     {
         ui.ctx().copy_text(write_value(&value));
@@ -182,7 +182,7 @@ fn menu(ui: &mut Ui, target: &mut Target, input: &'static InputDef) {
     }
 }
 
-fn reset(ui: &mut Ui, target: &mut Target, input: &'static InputDef, name: &str, height: f32) {
+fn reset(ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef, name: &str, height: f32) {
     let changed = target.is_changed(input);
     let sense = if changed { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(vec2(EDGE, height), sense);
@@ -206,7 +206,7 @@ fn reset(ui: &mut Ui, target: &mut Target, input: &'static InputDef, name: &str,
 }
 
 /// What an input is wired from.
-fn wires(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, width: f32) {
+fn wires(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, width: f32) {
     let from: Vec<Socket> = target.wires(input).to_vec();
     let several = from.len() > 1;
     let button = ui.spacing().interact_size.y;

@@ -6,7 +6,7 @@ use super::target::How;
 use crate::widgets::panel;
 use crate::widgets::text::{set_name, spoken};
 use crate::widgets::theme;
-use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
 use coif_nodes::define::Unit;
 use egui::{ComboBox, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
 use glam::Vec2 as Point;
@@ -18,38 +18,38 @@ const DRAWING: f32 = 140.0;
 
 const KINDS: [(&str, &str); 6] = [
     ("Circle", "The helix."),
-    ("Ellipse", "A flattened circle: waves rather than coils."),
+    ("Ellipse", "A flattened circle: makes waves rather than coils."),
     ("Lamé", "A superellipse: 2 is a circle, less is pinched, more is square."),
     ("Polygon", "Sharp bends between straight runs."),
     ("Rose", "Petals: loops and kinks."),
-    ("Drawn", "Points of a closed curve that you drag."),
+    ("Drawn", "A closed curve through points that you drag."),
 ];
 
-fn kind(section: &Section) -> usize {
+fn kind(section: &TurnProfile) -> usize {
     match section {
-        Section::Circle => 0,
-        Section::Ellipse(_) => 1,
-        Section::Lame(_) => 2,
-        Section::Polygon(_) => 3,
-        Section::Rose { .. } => 4,
-        Section::Custom(_) => 5,
+        TurnProfile::Circle => 0,
+        TurnProfile::Ellipse(_) => 1,
+        TurnProfile::Lame(_) => 2,
+        TurnProfile::Polygon(_) => 3,
+        TurnProfile::Rose { .. } => 4,
+        TurnProfile::Custom(_) => 5,
     }
 }
 
 /// A section of another kind; a drawn one begins as what was there.
-fn of_kind(kind: usize, old: &Section) -> Section {
+fn of_kind(kind: usize, old: &TurnProfile) -> TurnProfile {
     match kind {
-        0 => Section::Circle,
-        1 => Section::Ellipse(0.6),
-        2 => Section::Lame(4.0),
-        3 => Section::Polygon(5),
-        4 => Section::Rose { petals: 4, depth: 0.4 },
-        _ => Section::Custom(outline(old, 8)),
+        0 => TurnProfile::Circle,
+        1 => TurnProfile::Ellipse(0.6),
+        2 => TurnProfile::Lame(4.0),
+        3 => TurnProfile::Polygon(5),
+        4 => TurnProfile::Rose { petals: 4, depth: 0.4 },
+        _ => TurnProfile::Custom(outline(old, 8)),
     }
 }
 
 /// `n` points around a section, its radius about 1.
-pub(crate) fn outline(section: &Section, n: usize) -> Vec<Point> {
+pub(crate) fn outline(section: &TurnProfile, n: usize) -> Vec<Point> {
     let around = |radius: &dyn Fn(f32) -> f32| {
         let at = |i: usize| {
             let phi = std::f32::consts::TAU * i as f32 / n as f32;
@@ -58,26 +58,26 @@ pub(crate) fn outline(section: &Section, n: usize) -> Vec<Point> {
         (0..n).map(at).collect::<Vec<_>>()
     };
     match section {
-        Section::Circle => around(&|_| 1.0),
-        Section::Ellipse(ratio) => {
+        TurnProfile::Circle => around(&|_| 1.0),
+        TurnProfile::Ellipse(ratio) => {
             around(&|_| 1.0).into_iter().map(|p| Point::new(p.x, p.y * ratio)).collect()
         }
-        Section::Lame(e) => around(&|phi| {
+        TurnProfile::Lame(e) => around(&|phi| {
             let (sin, cos) = phi.sin_cos();
             (cos.abs().powf(*e) + sin.abs().powf(*e)).powf(-1.0 / e)
         }),
-        Section::Polygon(sides) => {
+        TurnProfile::Polygon(sides) => {
             let part = std::f32::consts::TAU / (*sides).max(3) as f32;
             around(&|phi| {
                 let within = phi.rem_euclid(part) - part / 2.0;
                 (part / 2.0).cos() / within.cos()
             })
         }
-        Section::Rose { petals, depth } => {
+        TurnProfile::Rose { petals, depth } => {
             around(&|phi| 1.0 + depth * (*petals as f32 * phi).cos())
         }
-        Section::Custom(points) if points.len() < 3 => points.clone(),
-        Section::Custom(points) => {
+        TurnProfile::Custom(points) if points.len() < 3 => points.clone(),
+        TurnProfile::Custom(points) => {
             let count = points.len();
             (0..n)
                 .map(|i| {
@@ -100,7 +100,7 @@ pub(crate) fn outline(section: &Section, n: usize) -> Vec<Point> {
 fn paint(
     ui: &Ui,
     rect: Rect,
-    section: &Section,
+    section: &TurnProfile,
     unit: Option<f32>,
 ) -> impl Fn(Point) -> Pos2 + use<> {
     let points = outline(section, 96);
@@ -133,11 +133,11 @@ pub(crate) fn show(
                 new = row(ui, &one, list, i, width).or(new.take());
             });
         }
-        let add = ui.button("Add a shape").on_hover_text("Adds an ellipse in tier B.");
+        let add = ui.button("Add a shape").on_hover_text("Add an ellipse in tier B.");
         set_name(ui, &add, &format!("{name}: add a shape"));
         if add.clicked() {
             let tier = if list.0.is_empty() { Tier::A } else { Tier::B };
-            let more = [&list.0[..], &[(tier, Section::Ellipse(0.6))]].concat();
+            let more = [&list.0[..], &[(tier, TurnProfile::Ellipse(0.6))]].concat();
             new = Some((ShapeList(more), How::Once));
         }
     });
@@ -153,7 +153,7 @@ fn row(
 ) -> Option<(ShapeList, How)> {
     let (tier, section) = &list.0[i];
     let mut new: Option<(ShapeList, How)> = None;
-    let with = |tier: Tier, section: Section| {
+    let with = |tier: Tier, section: TurnProfile| {
         let mut all = list.0.clone();
         all[i] = (tier, section);
         ShapeList(all)
@@ -230,7 +230,12 @@ fn row_menu(ui: &mut Ui, name: &str, list: &ShapeList, i: usize) -> Option<Shape
 }
 
 /// The numbers of a section, or its drawing.
-fn numbers(ui: &mut Ui, name: &str, section: &Section, width: f32) -> Option<(Section, How)> {
+fn numbers(
+    ui: &mut Ui,
+    name: &str,
+    section: &TurnProfile,
+    width: f32,
+) -> Option<(TurnProfile, How)> {
     let number = |ui: &mut Ui, what: &str, x: f32, hard: (f64, f64), whole: bool, width: f32| {
         let unit = if what == "depth" { Unit::Ratio } else { Unit::None };
         let scale = Scale::new(unit, Some(hard), Some(hard), whole);
@@ -250,43 +255,43 @@ fn numbers(ui: &mut Ui, name: &str, section: &Section, width: f32) -> Option<(Se
         Some((scale.clamp(to).0 as f32, how))
     };
     match section {
-        Section::Circle => None,
-        Section::Ellipse(ratio) => {
+        TurnProfile::Circle => None,
+        TurnProfile::Ellipse(ratio) => {
             let (ratio, how) = number(ui, "ratio", *ratio, (0.01, 1.0), false, width)?;
-            Some((Section::Ellipse(ratio), how))
+            Some((TurnProfile::Ellipse(ratio), how))
         }
-        Section::Lame(e) => {
+        TurnProfile::Lame(e) => {
             let (e, how) = number(ui, "exponent", *e, (0.3, 20.0), false, width)?;
-            Some((Section::Lame(e), how))
+            Some((TurnProfile::Lame(e), how))
         }
-        Section::Polygon(n) => {
+        TurnProfile::Polygon(n) => {
             let (n, how) = number(ui, "sides", *n as f32, (3.0, 12.0), true, width)?;
-            Some((Section::Polygon(n as u32), how))
+            Some((TurnProfile::Polygon(n as u32), how))
         }
-        Section::Rose { petals, depth } => {
+        TurnProfile::Rose { petals, depth } => {
             ui.horizontal(|ui| {
                 let half = (width - 3.0) / 2.0;
                 let (old, deep) = (*petals as f32, *depth);
                 if let Some((n, how)) = number(ui, "petals", old, (2.0, 12.0), true, half) {
                     number(ui, "depth", deep, (0.0, 0.95), false, half);
-                    return Some((Section::Rose { petals: n as u32, depth: deep }, how));
+                    return Some((TurnProfile::Rose { petals: n as u32, depth: deep }, how));
                 }
                 let (depth, how) = number(ui, "depth", deep, (0.0, 0.95), false, half)?;
-                Some((Section::Rose { petals: *petals, depth }, how))
+                Some((TurnProfile::Rose { petals: *petals, depth }, how))
             })
             .inner
         }
-        Section::Custom(points) => drawing(ui, name, points, width),
+        TurnProfile::Custom(points) => drawing(ui, name, points, width),
     }
 }
 
 /// A drawn section: drag points, double click adds one, right click removes it.
-fn drawing(ui: &mut Ui, name: &str, points: &[Point], width: f32) -> Option<(Section, How)> {
+fn drawing(ui: &mut Ui, name: &str, points: &[Point], width: f32) -> Option<(TurnProfile, How)> {
     let size = Vec2::new(width, DRAWING);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     set_name(ui, &response, &format!("{name} drawing"));
     let id = response.id;
-    let section = Section::Custom(points.to_vec());
+    let section = TurnProfile::Custom(points.to_vec());
     // The scale stays while a point is dragged, or it would run from the hand.
     let kept = ui.data(|data| data.get_temp::<f32>(id)).filter(|_| response.dragged());
     let to = paint(ui, rect, &section, kept);
@@ -335,9 +340,9 @@ fn drawing(ui: &mut Ui, name: &str, points: &[Point], width: f32) -> Option<(Sec
             new.remove(i);
         }
     }
-    response.on_hover_text("Drag the points. Double click adds one, right click removes it.");
-    let usable = ShapeList(vec![(Tier::A, Section::Custom(new.clone()))]).fault().is_none();
-    (usable && new != points).then_some((Section::Custom(new), how))
+    response.on_hover_text("Drag points. Double-click adds one, right-click removes one.");
+    let usable = ShapeList(vec![(Tier::A, TurnProfile::Custom(new.clone()))]).fault().is_none();
+    (usable && new != points).then_some((TurnProfile::Custom(new), how))
 }
 
 #[cfg(test)]
@@ -346,7 +351,7 @@ mod tests {
 
     #[test]
     fn outlines_of_all_kinds_are_closed_curves_of_about_unit_radius() {
-        let mut section = Section::Rose { petals: 5, depth: 0.3 };
+        let mut section = TurnProfile::Rose { petals: 5, depth: 0.3 };
         for kind_wanted in 0..KINDS.len() {
             section = of_kind(kind_wanted, &section);
             assert_eq!(kind(&section), kind_wanted);
@@ -361,11 +366,11 @@ mod tests {
     #[test]
     fn odd_sections_are_drawn_all_the_same() {
         for odd in [
-            Section::Polygon(0),
-            Section::Lame(0.0),
-            Section::Custom(vec![]),
-            Section::Custom(vec![Point::NAN; 4]),
-            Section::Rose { petals: 0, depth: f32::INFINITY },
+            TurnProfile::Polygon(0),
+            TurnProfile::Lame(0.0),
+            TurnProfile::Custom(vec![]),
+            TurnProfile::Custom(vec![Point::NAN; 4]),
+            TurnProfile::Rose { petals: 0, depth: f32::INFINITY },
         ] {
             outline(&odd, 96);
         }

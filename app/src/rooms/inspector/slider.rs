@@ -3,7 +3,7 @@
 //! Dragging sideways runs over the slider's range (Shift fine, Ctrl in large steps), a click types, Up and Down nudge
 //! while typing, Alt+click asks for the default. The field changes nothing itself: it says what was done.
 
-use super::number::{Entry, Scale};
+use super::number::{NumberEdit, Scale};
 use crate::widgets::theme;
 use egui::text::{CCursor, CCursorRange};
 use egui::{
@@ -17,7 +17,7 @@ pub(crate) enum Done {
     /// It is being dragged and is this now.
     Dragged(f64),
     /// This was typed.
-    Typed(Entry),
+    Typed(NumberEdit),
     /// It was nudged by so much.
     Nudged(f64),
     /// What was typed cannot be read.
@@ -81,7 +81,7 @@ impl NumberField<'_> {
                 if let Some(ActionData::NumericValue(x)) = request.data
                     && x.is_finite()
                 {
-                    done = Some(Done::Typed(Entry::Set(x)));
+                    done = Some(Done::Typed(NumberEdit::Set(x)));
                 }
             }
         });

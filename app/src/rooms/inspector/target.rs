@@ -32,7 +32,7 @@ impl How {
 
 /// The drag under way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Gesture {
+pub(crate) enum DragState {
     /// None.
     #[default]
     Rest,
@@ -42,31 +42,31 @@ pub(crate) enum Gesture {
     Dead,
 }
 
-impl Gesture {
+impl DragState {
     /// Looks, before anything is shown, whether the gesture is still open.
     pub(crate) fn look(&mut self, state: &State) {
-        if *self == Gesture::Open && !state.gesture {
-            *self = Gesture::Dead;
+        if *self == DragState::Open && !state.gesture {
+            *self = DragState::Dead;
         }
     }
     /// Ends it once the pointer is released; to be called when all is shown.
     pub(crate) fn settle(&mut self, ui: &egui::Ui, out: &mut Vec<Event>) {
-        if *self != Gesture::Rest && !ui.input(|input| input.pointer.any_down()) {
-            if *self == Gesture::Open {
+        if *self != DragState::Rest && !ui.input(|input| input.pointer.any_down()) {
+            if *self == DragState::Open {
                 out.push(Event::End);
             }
-            *self = Gesture::Rest;
+            *self = DragState::Rest;
         }
     }
     /// Says an edit.
     pub(crate) fn say(&mut self, edit: Edit, how: How, out: &mut Vec<Event>) {
         match (how, *self) {
-            (How::Drag, Gesture::Dead) => {}
-            (How::Drag, Gesture::Rest) => {
-                *self = Gesture::Open;
+            (How::Drag, DragState::Dead) => {}
+            (How::Drag, DragState::Rest) => {
+                *self = DragState::Open;
                 out.extend([Event::Begin(String::new()), Event::Edit(edit)]);
             }
-            (How::Drag, Gesture::Open) | (How::Once, _) => out.push(Event::Edit(edit)),
+            (How::Drag, DragState::Open) | (How::Once, _) => out.push(Event::Edit(edit)),
             (How::Nudge, _) => out.push(Event::Nudge(edit)),
         }
     }
@@ -74,7 +74,7 @@ impl Gesture {
 
 /// What an input of a node is set to.
 #[derive(Clone, Debug)]
-pub(crate) enum Held {
+pub(crate) enum InputSetting {
     /// This value, or the default.
     Value(Value),
     /// Nothing, which means something of its own or needs a wire.
@@ -84,7 +84,7 @@ pub(crate) enum Held {
 }
 
 /// The nodes that are edited at once, all of one kind, and where what was done is said.
-pub(crate) struct Target<'a> {
+pub(crate) struct EditTarget<'a> {
     /// What everybody sees.
     pub(crate) state: &'a State,
     /// The active node first.
@@ -92,28 +92,28 @@ pub(crate) struct Target<'a> {
     /// Where events go.
     pub(crate) out: &'a mut Vec<Event>,
     /// The drag under way.
-    pub(crate) gesture: &'a mut Gesture,
+    pub(crate) gesture: &'a mut DragState,
     /// What was said about an input, until it changes again.
     pub(crate) said: &'a mut BTreeMap<&'static str, String>,
 }
 
-impl Target<'_> {
+impl EditTarget<'_> {
     fn setting(&self, node: &NodeId, input: &InputDef) -> Option<&Setting> {
         self.state.document.node(node.as_str())?.inputs.get(input.name)
     }
 
     /// What an input of one of the nodes holds.
-    pub(crate) fn held_by(&self, node: &NodeId, input: &InputDef) -> Held {
+    pub(crate) fn held_by(&self, node: &NodeId, input: &InputDef) -> InputSetting {
         match self.setting(node, input) {
-            Some(Setting::Known(value)) => Held::Value(value.clone()),
-            Some(Setting::Raw(text)) => Held::Raw(text.to_string()),
-            None => default_of(input).map_or(Held::Unset, Held::Value),
+            Some(Setting::Known(value)) => InputSetting::Value(value.clone()),
+            Some(Setting::Raw(text)) => InputSetting::Raw(text.to_string()),
+            None => default_of(input).map_or(InputSetting::Unset, InputSetting::Value),
         }
     }
 
     /// What the active node holds.
-    pub(crate) fn held(&self, input: &InputDef) -> Held {
-        self.nodes.first().map_or(Held::Unset, |node| self.held_by(node, input))
+    pub(crate) fn held(&self, input: &InputDef) -> InputSetting {
+        self.nodes.first().map_or(InputSetting::Unset, |node| self.held_by(node, input))
     }
 
     /// Why the input counts for nothing beside what else the active node is set to.
@@ -123,7 +123,7 @@ impl Target<'_> {
         idle(&|name| {
             let (_, other) = def.input(name)?;
             match self.held(other) {
-                Held::Value(value) if self.wires(other).is_empty() => Some(value),
+                InputSetting::Value(value) if self.wires(other).is_empty() => Some(value),
                 _ => None,
             }
         })
@@ -172,7 +172,7 @@ impl Target<'_> {
         &mut self,
         input: &InputDef,
         how: How,
-        new: impl Fn(Held) -> Option<Value>,
+        new: impl Fn(InputSetting) -> Option<Value>,
     ) {
         let mut edits = vec![];
         for node in self.nodes {

@@ -7,7 +7,7 @@ use crate::widgets::text::spoken;
 use coif_graphs::document::{Document, Socket};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::Ramp;
-use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
 use coif_nodes::define::{Arity, Value};
 use egui::{Key, Modifiers, Pos2, vec2};
 use egui_kittest::Harness;
@@ -426,20 +426,20 @@ fn shapes_are_added_edited_ordered_and_removed() {
     };
     hands.get_by_label("Shapes: choose").click();
     hands.run_steps(3);
-    assert_eq!(list(&hands), [(Tier::A, Section::Circle)]);
+    assert_eq!(list(&hands), [(Tier::A, TurnProfile::Circle)]);
     hands.get_by_label("Shapes: add a shape").click();
     hands.run_steps(3);
     typed(&mut hands, "Shapes 2 ratio", "0.4");
-    assert_eq!(list(&hands)[1], (Tier::B, Section::Ellipse(0.4)));
+    assert_eq!(list(&hands)[1], (Tier::B, TurnProfile::Ellipse(0.4)));
     hands.get_by_label("Shapes 2 shape").click();
     hands.run_steps(3);
     hands.get_by_label("Drawn").click();
     hands.run_steps(3);
-    assert!(matches!(&list(&hands)[1].1, Section::Custom(points) if points.len() == 8));
+    assert!(matches!(&list(&hands)[1].1, TurnProfile::Custom(points) if points.len() == 8));
     let drawing = hands.get_by_label("Shapes 2 drawing").rect();
     let right = drawing.center() + vec2(0.42 * drawing.height(), 0.0);
     drag(&mut hands, right, vec2(-20.0, 0.0), Modifiers::NONE);
-    let Section::Custom(points) = &list(&hands)[1].1 else { panic!() };
+    let TurnProfile::Custom(points) = &list(&hands)[1].1 else { panic!() };
     assert!(points[0].x < 0.8, "{points:?}");
     let more = |hands: &mut Hands, what: &str| {
         hands.get_by_label("Shapes 2: more").click();
@@ -448,7 +448,7 @@ fn shapes_are_added_edited_ordered_and_removed() {
         hands.run_steps(3);
     };
     more(&mut hands, "Move up");
-    assert!(matches!(list(&hands)[1].1, Section::Circle));
+    assert!(matches!(list(&hands)[1].1, TurnProfile::Circle));
     more(&mut hands, "Remove");
     // The list has no shape of tier A now: the document refuses it, and says so.
     hands.run_steps(2);
@@ -524,7 +524,8 @@ fn odd_values_are_shown_without_harm() {
     let node = Arc::make_mut(document.nodes.get_mut(&id("a")).unwrap());
     node.inputs = odd.into_iter().map(|(k, v)| (k.to_owned(), Setting::Known(v))).collect();
     let node = Arc::make_mut(document.nodes.get_mut(&id("b")).unwrap());
-    let list = ShapeList(vec![(Tier::C, Section::Custom(vec![])), (Tier::A, Section::Polygon(0))]);
+    let list =
+        ShapeList(vec![(Tier::C, TurnProfile::Custom(vec![])), (Tier::A, TurnProfile::Polygon(0))]);
     node.inputs.insert("shapes".into(), Setting::Known(list.into()));
     for size in [(380.0, 1200.0), (90.0, 300.0), (1.0, 1.0)] {
         hands(document.clone(), &["a"], size);

@@ -1,12 +1,12 @@
 //! The value of an input, by its type. What cannot be read is shown as the text that is kept.
 
-use super::Known;
+use super::FieldNames;
 use super::field::FieldEditor;
 use super::number::Scale;
 use super::ramp::RampField;
 use super::shapes;
 use super::slider::{Done, NumberField};
-use super::target::{Held, How, Target};
+use super::target::{EditTarget, How, InputSetting};
 use super::wheel;
 use crate::core::documents;
 use crate::core::event::Event;
@@ -14,7 +14,7 @@ use crate::widgets::text::{icon_button, set_name, spoken, text_field, zero_words
 use crate::widgets::theme;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gestures, Tool};
-use coif_nodes::data::shapes::{Section, ShapeList, Tier};
+use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::{Arity, InputDef, Type, Unit, Value, choice_name};
 use egui::ecolor::{gamma_u8_from_linear_f32, linear_f32_from_gamma_u8};
@@ -24,14 +24,14 @@ use glam::Vec3;
 /// Shows what the target holds in an input without wires, and says what is done to it.
 pub(crate) fn show(
     ui: &mut Ui,
-    target: &mut Target,
+    target: &mut EditTarget,
     input: &'static InputDef,
     name: &str,
-    known: &Known,
+    known: &FieldNames,
     width: f32,
 ) {
     let held = match target.held(input) {
-        Held::Raw(text) => {
+        InputSetting::Raw(text) => {
             ui.horizontal_wrapped(|ui| {
                 ui.weak("Kept as text:");
                 ui.monospace(text.chars().take(400).collect::<String>());
@@ -39,8 +39,8 @@ pub(crate) fn show(
             ui.weak("This version cannot read it. Reset gives it the default.");
             return;
         }
-        Held::Value(value) => Some(value),
-        Held::Unset => None,
+        InputSetting::Value(value) => Some(value),
+        InputSetting::Unset => None,
     };
     match (input.ty, held) {
         (Type::Curves | Type::Scalp, _) => {
@@ -83,10 +83,10 @@ pub(crate) fn show(
             }
         }
         (Type::Shapes, None) => {
-            let own = ui.button("Choose shapes").on_hover_text("Unset now: others decide.");
+            let own = ui.button("Choose shapes").on_hover_text("Unset: follows other inputs.");
             set_name(ui, &own, &format!("{name}: choose"));
             if own.clicked() {
-                let list = ShapeList(vec![(Tier::A, Section::Circle)]);
+                let list = ShapeList(vec![(Tier::A, TurnProfile::Circle)]);
                 target.set(input, list, How::Once);
             }
         }
@@ -128,7 +128,7 @@ fn ramp_scale(input: &InputDef) -> Scale {
     Scale::new(input.unit, slider, input.hard, false)
 }
 
-fn bool(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, mut on: bool) {
+fn bool(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, mut on: bool) {
     let text = match (target.differ(input), on) {
         (true, _) => "Differ",
         (_, true) => "On",
@@ -141,18 +141,18 @@ fn bool(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, mut on: 
     }
 }
 
-fn as_number(held: &Held) -> Option<f64> {
+fn as_number(held: &InputSetting) -> Option<f64> {
     match held {
-        Held::Value(Value::Float(x)) => Some(f64::from(*x)),
-        Held::Value(Value::Int(x)) => Some(*x as f64),
-        Held::Value(Value::Field(field)) => field.constant().map(f64::from),
+        InputSetting::Value(Value::Float(x)) => Some(f64::from(*x)),
+        InputSetting::Value(Value::Int(x)) => Some(*x as f64),
+        InputSetting::Value(Value::Field(field)) => field.constant().map(f64::from),
         _ => None,
     }
 }
 
 fn number(
     ui: &mut Ui,
-    target: &mut Target,
+    target: &mut EditTarget,
     input: &'static InputDef,
     name: &str,
     value: Option<&Value>,
@@ -163,7 +163,8 @@ fn number(
     let button = ui.spacing().interact_size.y;
     ui.horizontal(|ui| {
         let width = if seed { width - button - 3.0 } else { width };
-        let value = value.map(|value| as_number(&Held::Value(value.clone()))).unwrap_or_default();
+        let value =
+            value.map(|value| as_number(&InputSetting::Value(value.clone()))).unwrap_or_default();
         let instead = target.differ(input).then_some("differ");
         let doc = input.doc();
         let unset = unset_words(&doc);
@@ -176,12 +177,10 @@ fn number(
         }
         response.on_hover_ui(|ui| {
             super::row::tooltip(ui, target, input, name);
-            ui.weak(
-                "Drag, or click to type: units and arithmetic are read (3mm, 1/3, +=0.2, *=2).",
-            );
+            ui.weak("Drag, or click to type. Units and arithmetic work: 3mm, 1/3, +=0.2, *=2.");
         });
         if seed && icon_button(ui, "🎲", "New seed").clicked() {
-            let of = |held: Held| Some(Value::Int(next_seed(as_number(&held)? as i64)));
+            let of = |held: InputSetting| Some(Value::Int(next_seed(as_number(&held)? as i64)));
             target.set_each(input, How::Once, of);
         }
     });
@@ -202,7 +201,7 @@ fn next_seed(seed: i64) -> i64 {
 }
 
 /// Does to the nodes what was done to a number field.
-fn apply(target: &mut Target, input: &'static InputDef, scale: &Scale, done: Done) {
+fn apply(target: &mut EditTarget, input: &'static InputDef, scale: &Scale, done: Done) {
     target.said.remove(input.name);
     let value = |x: f64| match input.ty {
         Type::Int => Value::Int(x.round() as i64),
@@ -221,7 +220,7 @@ fn apply(target: &mut Target, input: &'static InputDef, scale: &Scale, done: Don
                 .map(|node| as_number(&target.held_by(node, input)).unwrap_or(0.0))
                 .collect();
             let said = olds.iter().find_map(|old| scale.clamp(entry.apply(*old)).1);
-            let new = |held: Held| {
+            let new = |held: InputSetting| {
                 let old = as_number(&held).unwrap_or(0.0);
                 Some(value(scale.clamp(entry.apply(old)).0))
             };
@@ -231,7 +230,7 @@ fn apply(target: &mut Target, input: &'static InputDef, scale: &Scale, done: Don
             }
         }
         Done::Nudged(by) => {
-            let new = |held: Held| {
+            let new = |held: InputSetting| {
                 let x = as_number(&held)? + by;
                 Some(value(scale.clamp(scale.snap(x, scale.step(x) / 10.0)).0))
             };
@@ -242,15 +241,15 @@ fn apply(target: &mut Target, input: &'static InputDef, scale: &Scale, done: Don
 
 fn field(
     ui: &mut Ui,
-    target: &mut Target,
+    target: &mut EditTarget,
     input: &'static InputDef,
     name: &str,
     value: Option<&Value>,
-    known: &Known,
+    known: &FieldNames,
     width: f32,
 ) {
     let scale = Scale::of(input);
-    let editor = FieldEditor { name, scale: &scale, known };
+    let editor = FieldEditor { name, scale: &scale, names: known };
     let button = ui.spacing().interact_size.y;
     let held = match value {
         Some(Value::Field(field)) => Some((**field).clone()),
@@ -288,7 +287,7 @@ fn field(
 /// Three numbers side by side; gives the vector they become.
 fn three(
     ui: &mut Ui,
-    target: &Target,
+    target: &EditTarget,
     input: &InputDef,
     (name, parts): (&str, [&str; 3]),
     scale: &Scale,
@@ -317,7 +316,7 @@ fn three(
     new
 }
 
-fn vector(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, v: Vec3, width: f32) {
+fn vector(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, v: Vec3, width: f32) {
     let scale = Scale::new(input.unit, input.soft, input.hard, false);
     let new = ui
         .horizontal(|ui| three(ui, target, input, (name, ["x", "y", "z"]), &scale, v, width))
@@ -327,7 +326,7 @@ fn vector(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, v: Vec
     }
 }
 
-fn colour(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, v: Vec3, width: f32) {
+fn colour(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, v: Vec3, width: f32) {
     let scale = Scale::new(Unit::None, Some((0.0, 1.0)), Some((0.0, 1e6)), false);
     let mut new = None;
     ui.horizontal(|ui| {
@@ -348,7 +347,7 @@ fn colour(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, v: Vec
 
 fn choice(
     ui: &mut Ui,
-    target: &mut Target,
+    target: &mut EditTarget,
     input: &InputDef,
     name: &str,
     words: &[(&'static str, &'static str)],
@@ -380,7 +379,7 @@ fn choice(
 
 fn file(
     ui: &mut Ui,
-    target: &mut Target,
+    target: &mut EditTarget,
     input: &InputDef,
     name: &str,
     value: Option<&Value>,
@@ -399,7 +398,7 @@ fn file(
         if icon_button(ui, "📂", &format!("{name}: browse")).clicked()
             && let Some(node) = target.nodes.first()
         {
-            let asked = documents::Event::Find(node.clone(), input.name.to_owned());
+            let asked = documents::DocumentEvent::Find(node.clone(), input.name.to_owned());
             target.out.push(Event::Documents(asked));
         }
     });
@@ -410,7 +409,7 @@ fn file(
     }
 }
 
-fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes: &Strokes) {
+fn drawn(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, strokes: &Strokes) {
     let points: usize = strokes.0.iter().map(|stroke| stroke.samples.len()).sum();
     let count = strokes.0.len();
     let plural = if count == 1 { "" } else { "s" };
@@ -423,7 +422,7 @@ fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes
         let text = if pinned { "Stop drawing" } else { "Draw with the pen" };
         let draw = ui.selectable_label(pinned, text);
         set_name(ui, &draw, &format!("{name}: draw"));
-        if draw.on_hover_text("The pen works on this node, whatever is displayed.").clicked() {
+        if draw.on_hover_text("Keep the pen on this node, whatever is displayed.").clicked() {
             let node = target.nodes.first().filter(|_| !pinned).cloned();
             let document = &target.state.document;
             let held = node.as_ref().and_then(|id| document.node(id.as_str()));
@@ -442,7 +441,7 @@ fn drawn(ui: &mut Ui, target: &mut Target, input: &InputDef, name: &str, strokes
 fn clear(ui: &mut Ui, name: &str, what: &str, can: bool) -> bool {
     let clear = ui.add_enabled(can, egui::Button::new("Clear"));
     set_name(ui, &clear, &format!("{name}: clear"));
-    clear.on_hover_text(format!("Removes all {what}; can be undone.")).clicked()
+    clear.on_hover_text(format!("Remove all {what}.")).clicked()
 }
 
 /// How many gestures there are of each tool, most first: "12 gestures: 5 comb, 4 implant, 3 cut".

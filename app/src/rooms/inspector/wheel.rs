@@ -112,7 +112,7 @@ fn wheel(ui: &mut Ui, name: &str, hsva: &mut Hsva) -> How {
     let at = middle + Vec2::angled(hsva.h * TAU) * hsva.s * (RADIUS - 1.0);
     painter.circle(at, 5.0, Color32::from(*hsva), Stroke::new(2.0, Color32::WHITE));
     painter.circle_stroke(at, 6.5, Stroke::new(1.0, Color32::BLACK));
-    response.on_hover_text("Around: hue. Outwards: saturation. Arrow keys move it too.");
+    response.on_hover_text("Angle: hue. Radius: saturation. Arrow keys work too.");
     how
 }
 

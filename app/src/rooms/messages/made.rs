@@ -4,7 +4,7 @@
 //! asked for or it is closed, and says when the groom has changed since.
 
 use crate::core::event::Event;
-use crate::core::made::Made;
+use crate::core::made::HairTrace;
 use crate::core::room::Room;
 use crate::core::state::{Select, State};
 use coif_graphs::trace::{Found, Part, Traced};
@@ -17,20 +17,20 @@ struct Row<'a> {
     tip: &'static str,
 }
 
-fn rows(made: &Made) -> Vec<Row<'_>> {
+fn rows(made: &HairTrace) -> Vec<Row<'_>> {
     let found = made.traced.iter().flat_map(|traced| &traced.found);
     found.map(|found| row(made, found)).collect()
 }
 
-fn row<'a>(made: &'a Made, Found { part, alone }: &'a Found) -> Row<'a> {
+fn row<'a>(made: &'a HairTrace, Found { part, alone }: &'a Found) -> Row<'a> {
     let name = made.document.name_of(part.node());
     let text = match part {
         Part::Node(_) => name.into_owned(),
-        Part::Drawn { .. } => format!("{name}: {}", part.told(&made.document)),
+        Part::Drawn { .. } => format!("{name}: {}", part.describe(&made.document)),
     };
     let tip = match alone {
-        true => "Without it the hair is another. Selects it",
-        false => "Without it and others that do the same the hair is another. Selects it",
+        true => "This hair depends on it. Click to select it",
+        false => "This hair depends on it, or on others that do the same. Click to select it",
     };
     Row { part, text, tip }
 }
@@ -42,7 +42,7 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
             ui.spinner();
             let (known, of) = (far.of - far.open, far.of);
             ui.label(format!("What made this hair: {known} of {of} parts known"));
-            if ui.button("Stop").on_hover_text("Stops looking for it").clicked() {
+            if ui.button("Stop").on_hover_text("Stop the search").clicked() {
                 out.push(Event::Stop);
             }
         });
@@ -61,7 +61,7 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     ui.horizontal(|ui| {
         // First what must be in sight, then the line that is cut.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.small_button("Close").on_hover_text("Forgets the list").clicked() {
+            if ui.small_button("Close").on_hover_text("Clear the list").clicked() {
                 out.push(Event::Made(None));
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

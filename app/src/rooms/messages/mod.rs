@@ -8,7 +8,7 @@
 
 mod made;
 
-use crate::core::action::Table;
+use crate::core::action::ActionLookup;
 use crate::core::documents;
 use crate::core::event::Event;
 use crate::core::notes::{Gravity, Note};
@@ -162,7 +162,7 @@ fn of_document(document: &Document) -> Vec<Message> {
 /// What a merge left, without the name that the comment begins with where the node is named anyway.
 fn of_merge(document: &Document, left: Undecided) -> Message {
     let Undecided { node, text, keep, take } = left;
-    let text = format!("a merge left this to decide: {text}");
+    let text = format!("merge conflict: {text}");
     let mut message = match &node {
         Some(id) => about(document, id, Gravity::Warning, &text),
         None => Message::new(Gravity::Warning, "", text),
@@ -235,17 +235,17 @@ impl Messages {
                 let count = all.iter().filter(|message| message.gravity == gravity).count();
                 gravity.mark(ui);
                 ui.toggle_value(shown, format!("{count} {name}"))
-                    .on_hover_text(format!("Shows the {name}"));
+                    .on_hover_text(format!("Show the {name}"));
             }
             ui.separator();
             let lines: Vec<String> = self.chosen(&all).map(|message| message.line()).collect();
             let copy = ui.add_enabled(!lines.is_empty(), egui::Button::new("Copy all"));
-            if copy.on_hover_text("Copies what is listed, a line each").clicked() {
+            if copy.on_hover_text("Copy all listed messages").clicked() {
                 ui.ctx().copy_text(lines.join("\n"));
             }
             let said = !state.notes.all().is_empty();
             let clear = ui.add_enabled(said, egui::Button::new("Clear"));
-            if clear.on_hover_text("Forgets what was done; what is wrong stays").clicked() {
+            if clear.on_hover_text("Clear the log; current problems stay").clicked() {
                 out.push(Event::Hush);
             }
         });
@@ -269,15 +269,18 @@ impl Messages {
     }
 }
 
-fn row(message: &Message, table: Table, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+fn row(message: &Message, table: ActionLookup, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     ui.horizontal_top(|ui| {
         message.gravity.mark(ui);
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
-            if ui.small_button("Copy").on_hover_text("Copies this message").clicked() {
+            if ui.small_button("Copy").on_hover_text("Copy this message").clicked() {
                 ui.ctx().copy_text(message.line());
             }
             if let Some(node) = &message.node
-                && ui.small_button("Go to").on_hover_text("Selects the node and shows it").clicked()
+                && ui
+                    .small_button("Go to")
+                    .on_hover_text("Select the node and show it on the canvas")
+                    .clicked()
             {
                 go_to(node, out);
             }
@@ -288,7 +291,7 @@ fn row(message: &Message, table: Table, ui: &mut egui::Ui, out: &mut Vec<Event>)
                 } else {
                     format!("Select the first {}", message.ids.len())
                 };
-                if ui.small_button(word).on_hover_text("Selects them in the viewport").clicked() {
+                if ui.small_button(word).on_hover_text("Select them in the viewport").clicked() {
                     let ids = message.ids.iter().copied().collect();
                     out.push(Event::Select(Select::Curves(ids)));
                 }
@@ -326,24 +329,28 @@ fn row(message: &Message, table: Table, ui: &mut egui::Ui, out: &mut Vec<Event>)
 
 /// The buttons that decide what a merge left.
 fn decide(keep: &Edit, take: Option<&Edit>, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-    if ui.small_button("Keep ours").on_hover_text("Leaves what is there").clicked() {
+    if ui.small_button("Keep ours").on_hover_text("Keep our version").clicked() {
         out.push(Event::Edit(keep.clone()));
     }
     let button = ui.add_enabled(take.is_some(), egui::Button::new("Take theirs").small());
     let button = button
-        .on_hover_text("Says what theirs says")
-        .on_disabled_hover_text("The comment does not hold all of it: compare with their file");
+        .on_hover_text("Set their version")
+        .on_disabled_hover_text("The conflict comment is cut off: compare with their file");
     if let Some(edit) = take.filter(|_| button.clicked()) {
         out.push(Event::Edit(edit.clone()));
     }
 }
 
 fn missing(node: &NodeId, input: &str, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-    if ui.small_button("Use the built-in head").on_hover_text("Instead of the file").clicked() {
+    if ui
+        .small_button("Use the built-in head")
+        .on_hover_text("Use it instead of the missing file")
+        .clicked()
+    {
         out.push(Event::Edit(Edit::UnsetInput { node: node.clone(), input: input.to_owned() }));
     }
-    if ui.small_button("Find…").on_hover_text("Asks where the file is now").clicked() {
-        out.push(Event::Documents(documents::Event::Find(node.clone(), input.to_owned())));
+    if ui.small_button("Find…").on_hover_text("Choose the file's new location").clicked() {
+        out.push(Event::Documents(documents::DocumentEvent::Find(node.clone(), input.to_owned())));
     }
 }
 
@@ -437,8 +444,8 @@ mod tests {
         let path = folder.path("merged.ron");
         std::fs::write(&path, coif_graphs::file::write(&merged)).unwrap();
         let mut ui = on("start", vec![]);
-        let open = documents::Event::Open(path.clone());
-        ui.state_mut().apply(Event::Documents(documents::Event::New(None)));
+        let open = documents::DocumentEvent::Open(path.clone());
+        ui.state_mut().apply(Event::Documents(documents::DocumentEvent::New(None)));
         ui.state_mut().apply(Event::Documents(open));
         ui.run_steps(3);
         let said = ui.state().state.notes.all().last().unwrap().text.clone();
@@ -461,7 +468,7 @@ mod tests {
         ui.run_steps(2);
         assert_eq!(left(&ui), Vec::<String>::new());
         assert_eq!(ui.state().state.history.done(), 2);
-        ui.state_mut().apply(Event::Documents(documents::Event::Save));
+        ui.state_mut().apply(Event::Documents(documents::DocumentEvent::Save));
         ui.run_steps(2);
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(!text.contains(coif_graphs::file::CONFLICT), "{text}");

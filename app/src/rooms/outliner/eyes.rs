@@ -1,6 +1,6 @@
 //! Eyes, locks and isolating: what of a row's hair is seen, and kept from the pen. View state, never a part of a groom.
 
-use super::tree::Row;
+use super::tree::TreeRow;
 use crate::core::event::Event;
 use crate::core::state::State;
 use crate::core::visibility::Visibility;
@@ -19,7 +19,7 @@ pub(super) enum Eye {
 /// All of them, each with what its entry says while it is off and while it is on.
 pub(super) const EYES: [(Eye, [&str; 2]); 3] = [
     (Eye::Hide, ["Hide", "Show"]),
-    (Eye::Isolate, ["Isolate", "Isolate no more"]),
+    (Eye::Isolate, ["Isolate", "End isolation"]),
     (Eye::Lock, ["Lock", "Unlock"]),
 ];
 
@@ -52,9 +52,9 @@ impl Eye {
 
     pub(super) fn tip(self) -> &'static str {
         match self {
-            Eye::Hide => "Hides this hair in the viewport, or shows it again. Space does the same.",
-            Eye::Isolate => "Shows this hair alone, with what else is isolated.",
-            Eye::Lock => "Keeps the pen off this hair.",
+            Eye::Hide => "Hide or show this hair in the viewport (Space).",
+            Eye::Isolate => "Isolate this hair, together with what is isolated already.",
+            Eye::Lock => "Lock this hair against the pen.",
         }
     }
 
@@ -83,7 +83,7 @@ impl Eye {
 pub(super) fn eye_buttons(
     state: &State,
     ui: &Ui,
-    row: &Row,
+    row: &TreeRow,
     id: egui::Id,
     line: Rect,
     out: &mut Vec<Event>,

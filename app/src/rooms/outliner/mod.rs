@@ -30,12 +30,12 @@ use egui::{
 use eyes::{EYES, eye_buttons, toggled};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
-use tree::{BESIDE, Groups, Item, Row, Tree, groups, kin, outputs};
+use tree::{BESIDE, Groups, Item, Tree, TreeRow, groups, kin, outputs};
 
 /// What the outliner remembers between frames.
 #[derive(Default)]
 pub(crate) struct Outliner {
-    rows: Vec<Row>,
+    rows: Vec<TreeRow>,
     /// As of which changes and evaluation the rows were made; none: make them anew.
     made: Option<(u64, Weak<Shown>)>,
     groups: BTreeMap<NodeId, Groups>,
@@ -96,7 +96,7 @@ impl Outliner {
             let all = !state.visibility.shows_all();
             let show = ui.add_enabled(all, egui::Button::new("Show all"));
             let width = (ui.available_width() - show.rect.width() - 8.0).max(40.0);
-            if show.on_hover_text("Nothing is hidden or isolated any more.").clicked() {
+            if show.on_hover_text("Show all hair again.").clicked() {
                 let locked = state.visibility.locked.clone();
                 out.push(Event::Visibility(Visibility { locked, ..Visibility::default() }));
             }
@@ -112,7 +112,7 @@ impl Outliner {
             }
         });
         if self.rows.is_empty() {
-            ui.weak(if self.filter.is_empty() { "No nodes yet." } else { "Nothing is called so." });
+            ui.weak(if self.filter.is_empty() { "No nodes yet." } else { "No matches." });
             return;
         }
         let height = ui.spacing().interact_size.y;
@@ -301,16 +301,16 @@ impl Outliner {
             select(state, &row.item, add, out);
         }
         let tip = match &row.item {
-            Item::Node(_) if row.kind.is_empty() => "Double click renames.".to_owned(),
-            Item::Node(_) => format!("{}. Double click renames.", spoken(&row.kind)),
-            _ => "Click selects its hair.".to_owned(),
+            Item::Node(_) if row.kind.is_empty() => "Double-click to rename.".to_owned(),
+            Item::Node(_) => format!("{}. Double-click to rename.", spoken(&row.kind)),
+            _ => "Click to select its hair.".to_owned(),
         };
         response.on_hover_text(tip);
         toggled
     }
 
     /// What the right button offers on a row.
-    fn menu(&mut self, state: &State, ui: &mut Ui, row: &Row, out: &mut Vec<Event>) {
+    fn menu(&mut self, state: &State, ui: &mut Ui, row: &TreeRow, out: &mut Vec<Event>) {
         let entry = |ui: &mut Ui, can: bool, text: &str, tip: &str| {
             let button = ui.add_enabled(can, egui::Button::new(text));
             let clicked = button.on_hover_text(tip).on_disabled_hover_text(tip).clicked();
@@ -320,10 +320,10 @@ impl Outliner {
             clicked
         };
         let below = matches!(row.item, Item::Makers(_));
-        if entry(ui, !below, "Select", "Selects it, as a click on the row does.") {
+        if entry(ui, !below, "Select", "Select it, as a click on the row does.") {
             select(state, &row.item, false, out);
         }
-        if entry(ui, !below, "Frame", "Fills the picture with it.") {
+        if entry(ui, !below, "Frame", "Frame it in the viewport.") {
             if matches!(row.item, Item::Node(_)) {
                 out.push(Event::Select(Select::Curves(BTreeSet::new())));
             }
@@ -349,14 +349,14 @@ impl Outliner {
         };
         ui.separator();
         if let Item::Node(node) = &row.item
-            && entry(ui, true, "Rename", "Gives the node another name.")
+            && entry(ui, true, "Rename", "Rename the node.")
         {
             (self.renaming, self.begun) = (Some((row.under.clone(), node.clone())), true);
         }
         let colours = coloured_by(&state.document, of);
         let tip = match colours {
-            Some(_) => "Selects the node that gives the hair its colour, for the inspector.",
-            None => "No node before it gives hair a colour: add Hair colour among the nodes.",
+            Some(_) => "Select the node that colours this hair.",
+            None => "No node upstream colours this hair: add a Hair colour node.",
         };
         if entry(ui, colours.is_some(), "Colour…", tip)
             && let Some(node) = colours
@@ -366,7 +366,7 @@ impl Outliner {
         }
     }
 
-    fn renaming_here(&self, row: &Row) -> bool {
+    fn renaming_here(&self, row: &TreeRow) -> bool {
         let Item::Node(node) = &row.item else { return false };
         self.renaming.as_ref().is_some_and(|(under, of)| *under == row.under && of == node)
     }

@@ -248,7 +248,7 @@ fn the_right_button_offers_what_can_be_done_with_a_row() {
     click(&mut hands, "Isolate");
     assert_eq!(hands.state().editor.state.visibility.alone, [8].into());
     open(&mut hands, "Braid 2");
-    click(&mut hands, "Isolate no more");
+    click(&mut hands, "End isolation");
     assert!(hands.state().editor.state.visibility.shows_all());
     let name = hands.state().editor.state.document.name_of(&output).into_owned();
     open(&mut hands, &name);

@@ -28,7 +28,7 @@ pub(super) enum Item {
 
 /// A line of the tree.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+pub(super) struct TreeRow {
     pub(super) item: Item,
     /// The output that it stands below, which makes rows of one node tell apart.
     pub(super) under: Option<NodeId>,
@@ -76,7 +76,7 @@ impl Tree<'_> {
     }
 
     /// The rows, from the top.
-    pub(super) fn rows(&self, outputs: &[NodeId]) -> Vec<Row> {
+    pub(super) fn rows(&self, outputs: &[NodeId]) -> Vec<TreeRow> {
         let state = self.state;
         let document = &state.document;
         let mut all = vec![];
@@ -108,7 +108,7 @@ impl Tree<'_> {
         all.into_iter().zip(keep).filter(|(_, keep)| *keep).map(|(row, _)| row).collect()
     }
 
-    fn output(&self, id: &NodeId, all: &mut Vec<Row>) {
+    fn output(&self, id: &NodeId, all: &mut Vec<TreeRow>) {
         let state = self.state;
         let document = &state.document;
         let groups = self.groups.get(id).unwrap_or(&Groups::None);
@@ -124,7 +124,7 @@ impl Tree<'_> {
             return;
         }
         let under = Some(id.clone());
-        let row = |item: Item, depth, name, curves, open, names| Row {
+        let row = |item: Item, depth, name, curves, open, names| TreeRow {
             item,
             under: under.clone(),
             depth,
@@ -199,7 +199,7 @@ fn node_row(
     depth: usize,
     open: Option<bool>,
     names: Vec<u64>,
-) -> Row {
+) -> TreeRow {
     let kind = state.document.node(id.as_str()).map_or("", |node| node.kind.as_str());
     let label = state.document.def(id).map_or(kind, |def| def.label);
     let name = state.document.name_of(id).into_owned();
@@ -210,7 +210,7 @@ fn node_row(
         let from = Some(from).filter(|from| kind == "groom_output" && !from.is_empty())?;
         from.iter().map(|from| count(&from.node)).sum::<Option<usize>>()
     };
-    Row {
+    TreeRow {
         item: Item::Node(id.clone()),
         under,
         depth,

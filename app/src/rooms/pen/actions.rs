@@ -1,6 +1,6 @@
 //! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
 
-use super::{Pen, PenTool, Picked, recipes, target};
+use super::{Pen, PenTool, StrokeSelection, recipes, target};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::notes::Note;
@@ -62,7 +62,11 @@ macro_rules! recipe {
 }
 
 /// A change of a setting of the pen.
-fn set(state: &State, out: &mut Vec<Event>, change: impl FnOnce(&mut crate::core::pen::Settings)) {
+fn set(
+    state: &State,
+    out: &mut Vec<Event>,
+    change: impl FnOnce(&mut crate::core::pen::PenSettings),
+) {
     let mut settings: Settings = state.settings.clone();
     change(&mut settings.pen);
     out.push(Event::Settings(settings.into()));
@@ -100,20 +104,20 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         "pen.select",
         Select,
         "Select and turn",
-        "The pointer selects in the viewport and turns the view; the pen does not draw.",
+        "Select in the viewport and turn the view, without drawing.",
         "arrow pick none"
     ),
     tool!(
         "pen.draw",
         Draw,
         "Draw strokes",
-        "Draw on the scalp, or in space where the node says so. Makes a stroke input where there is none.",
+        "Draw strokes on the scalp, or in space if the node projects none. Adds a Stroke input node if needed.",
         "pencil sketch row guide line brush"
     ),
     Action {
         id: "pen.hairline",
         label: "Hairline",
-        tip: "Draw one closed stroke on the head: hair grows inside it, on the crown's side, with the soft edge that the head says. Again: done.",
+        tip: "Draw a closed stroke on the head: hair grows inside it, on the crown's side. Again: finish.",
         words: "region outline scalp grow closed where",
         menu: "Pen",
         when: a_head,
@@ -128,41 +132,41 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         "pen.points",
         Points or Point,
         "Edit points",
-        "Click, box or (with Ctrl) lasso points of strokes, and drag them. Double click a line to add a point.",
+        "Select stroke points by click, box or lasso (Ctrl) and drag them. Double-click a stroke to add a point.",
         "cv cvs vertex move handles control"
     ),
     tool!(
         "pen.redraw",
         Redraw or Redraw,
         "Re-draw a part",
-        "Draw a part of a stroke anew, from where you begin beside it to where you end.",
+        "Redraw part of a stroke, from where you begin beside it to where you end.",
         "redraw correct fix overdraw"
     ),
     tool!(
         "pen.erase",
         Erase or Cut,
         "Erase strokes",
-        "Removes every stroke that the brush passes. The eraser end of a pen always does. With a tool for hair in hand it cuts hair.",
+        "Erase strokes under the brush, as the pen's eraser always does. With a hair tool: cut hair.",
         "rubber delete remove"
     ),
     tool!(
         "pen.comb",
         Comb or Comb,
         "Comb strokes",
-        "Pulls strokes the way the pen moves; roots stay. With Shift it smooths. With a tool for hair in hand it combs hair.",
+        "Pull strokes along with the pen; roots stay. Shift smooths. With a hair tool: comb hair.",
         "brush drag pull groom"
     ),
     tool!(
         "pen.smooth_brush",
         Smooth or Smooth,
         "Smooth with a brush",
-        "Takes the wiggles out of strokes under the brush; ends stay. With a tool for hair in hand it smooths hair.",
+        "Smooth strokes under the brush; ends stay. With a hair tool: smooth hair.",
         "relax even"
     ),
     Action {
         id: "pen.brush_smaller",
         label: "Smaller brush",
-        tip: "Makes the brush smaller by a fifth.",
+        tip: "Make the brush smaller by a fifth.",
         words: "size radius",
         menu: "",
         when: always,
@@ -171,7 +175,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "pen.brush_larger",
         label: "Larger brush",
-        tip: "Makes the brush larger by a quarter.",
+        tip: "Make the brush larger by a quarter.",
         words: "size radius",
         menu: "",
         when: always,
@@ -180,7 +184,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "pen.weaker",
         label: "Weaker brush",
-        tip: "Makes a pass of the brush do less.",
+        tip: "Lower the strength of the brush.",
         words: "strength opacity",
         menu: "",
         when: always,
@@ -189,7 +193,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "pen.stronger",
         label: "Stronger brush",
-        tip: "Makes a pass of the brush do more.",
+        tip: "Raise the strength of the brush.",
         words: "strength opacity",
         menu: "",
         when: always,
@@ -198,7 +202,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "pen.lighter",
         label: "Lighter mouse pressure",
-        tip: "Lowers the pressure that a mouse draws with. Shift is always full pressure.",
+        tip: "Lower the pressure that a mouse draws with. Shift is always full pressure.",
         words: "force level",
         menu: "Pen",
         when: always,
@@ -209,7 +213,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "pen.heavier",
         label: "Heavier mouse pressure",
-        tip: "Raises the pressure that a mouse draws with. Shift is always full pressure.",
+        tip: "Raise the pressure that a mouse draws with. Shift is always full pressure.",
         words: "force level",
         menu: "Pen",
         when: always,
@@ -220,7 +224,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "pen.symmetry",
         label: "Symmetry",
-        tip: "Draws on the other side of the head too: strokes, which snap to its middle near it, and gestures on hair.",
+        tip: "Mirror strokes and gestures to the other side of the head. Strokes near the midline snap to it.",
         words: "mirror both sides live x",
         menu: "Pen",
         when: always,
@@ -229,7 +233,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "pen.settings",
         label: "Pen settings",
-        tip: "Pressure curve, stabiliser and double tap of each pen, with a strip to try them on.",
+        tip: "Pressure curve, stabiliser and double tap of each pen, with a strip to test them.",
         words: "tablet stylus calibrate preferences left-handed",
         menu: "Pen",
         when: always,
@@ -238,7 +242,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.delete",
         label: "Delete strokes or points",
-        tip: "Removes the picked strokes, or the picked points.",
+        tip: "Remove the picked strokes or points.",
         words: "remove erase cv",
         menu: "Pen",
         when: anything_picked,
@@ -247,7 +251,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.all",
         label: "Pick all strokes",
-        tip: "Picks every stroke of the node that the pen works on.",
+        tip: "Pick every stroke of the pen's node.",
         words: "select everything",
         menu: "Pen",
         when: any_strokes,
@@ -256,7 +260,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.grow",
         label: "Grow the pick",
-        tip: "Picks one more point on each side of those that are picked; of a stroke, all its points.",
+        tip: "Pick one more point on each side of the picked ones; with a stroke picked, all its points.",
         words: "select more expand",
         menu: "Pen",
         when: anything_picked,
@@ -265,7 +269,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.reverse",
         label: "Reverse strokes",
-        tip: "Makes the tip of each picked stroke its root.",
+        tip: "Reverse the picked strokes: root and tip swap.",
         words: "flip direction turn",
         menu: "Pen",
         when: anything_picked,
@@ -276,7 +280,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.smooth",
         label: "Smooth strokes",
-        tip: "Takes wiggles out of the picked strokes, or around the picked points. Repeat it at will.",
+        tip: "Smooth the picked strokes, or around the picked points. Repeat for more.",
         words: "relax even fair",
         menu: "Pen",
         when: anything_picked,
@@ -285,7 +289,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.straighten",
         label: "Straighten strokes",
-        tip: "Puts the points between the first and the last picked one on a straight line; without points, the whole stroke.",
+        tip: "Straighten the stroke between the first and last picked points, or all of it without points.",
         words: "line flatten",
         menu: "Pen",
         when: anything_picked,
@@ -294,7 +298,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.extend",
         label: "Extend strokes",
-        tip: "Makes the picked strokes a centimetre longer at the tip, straight on.",
+        tip: "Extend the picked strokes straight by 1 cm at the tip.",
         words: "longer grow",
         menu: "Pen",
         when: anything_picked,
@@ -307,7 +311,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.shorten",
         label: "Shorten strokes",
-        tip: "Takes a centimetre off the tip of the picked strokes.",
+        tip: "Shorten the picked strokes by 1 cm at the tip.",
         words: "trim cut",
         menu: "Pen",
         when: anything_picked,
@@ -320,7 +324,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.cut",
         label: "Cut strokes",
-        tip: "Cuts strokes in two at their picked points.",
+        tip: "Split strokes at their picked points.",
         words: "split divide",
         menu: "Pen",
         when: points_picked,
@@ -329,7 +333,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.join",
         label: "Join strokes",
-        tip: "Makes two picked strokes one, where their ends are nearest.",
+        tip: "Join two picked strokes at their nearest ends.",
         words: "connect merge weld",
         menu: "Pen",
         when: two_picked,
@@ -338,7 +342,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.insert",
         label: "Insert points",
-        tip: "Adds a point in the middle behind each picked point; without points, behind every point.",
+        tip: "Add a point halfway after each picked point, or after every point.",
         words: "subdivide cv add",
         menu: "Pen",
         when: anything_picked,
@@ -347,7 +351,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.slide_tip",
         label: "Slide towards the tip",
-        tip: "Slides the picked points along their strokes by a millimetre.",
+        tip: "Slide the picked points along their strokes by 1 mm, toward the tip.",
         words: "move along",
         menu: "Pen",
         when: points_picked,
@@ -356,7 +360,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.slide_root",
         label: "Slide towards the root",
-        tip: "Slides the picked points along their strokes by a millimetre, back.",
+        tip: "Slide the picked points along their strokes by 1 mm, toward the root.",
         words: "move along",
         menu: "Pen",
         when: points_picked,
@@ -364,8 +368,8 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     },
     Action {
         id: "strokes.refit",
-        label: "Back to what was drawn",
-        tip: "Takes back all edits of points: the picked strokes are again as the pen drew them.",
+        label: "Restore drawn strokes",
+        tip: "Discard all point edits: the picked strokes are as drawn again.",
         words: "re-fit reset original",
         menu: "Pen",
         when: anything_picked,
@@ -376,7 +380,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "strokes.mirror_once",
         label: "Mirror strokes once",
-        tip: "Adds the mirror images of the picked strokes as strokes of their own.",
+        tip: "Add the mirror images of the picked strokes as new strokes.",
         words: "symmetry flip copy other side",
         menu: "Pen",
         when: anything_picked,
@@ -399,7 +403,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
 ];
 
 fn anything_picked(pen: &Pen, _: &State) -> Can {
-    match pen.picked == Picked::default() {
+    match pen.picked == StrokeSelection::default() {
         true => Err("pick strokes first: with \"Edit points\", click one"),
         false => Ok(()),
     }
@@ -544,7 +548,7 @@ fn pick_all(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
     let Some((node, _)) = at(state) else { return };
     let strokes = target::strokes(&state.document, &node);
     let strokes = strokes.0.iter().map(|stroke| stroke.id).collect();
-    pen.picked = Picked { strokes, ..Picked::default() };
+    pen.picked = StrokeSelection { strokes, ..StrokeSelection::default() };
 }
 
 fn grow(pen: &mut Pen, state: &State, _: &mut Vec<Event>) {
@@ -623,7 +627,7 @@ fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
     let mut two = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id));
     let (Some(first), Some(second)) = (two.next(), two.next()) else { return };
     let (stroke, id) = (whole::joined(first, second), second.id);
-    pen.picked = Picked { strokes: [stroke.id].into(), ..Picked::default() };
+    pen.picked = StrokeSelection { strokes: [stroke.id].into(), ..StrokeSelection::default() };
     let input = input.to_owned();
     let edits = vec![
         Edit::RemoveStroke { node: node.clone(), input: input.clone(), id },

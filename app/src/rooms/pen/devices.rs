@@ -9,8 +9,8 @@
 //! client of XWayland; else a pen is a mouse there, and the settings of pens say so. On macOS it is a mouse, too.
 
 use super::sample::{Buttons, Device, MOUSE, PenSample, Phase, Tool};
-use super::x11::{self, Told};
-use crate::core::pen::{self, Feel, Settings};
+use super::x11::{self, PenMessage};
+use crate::core::pen::{self, Feel, PenSettings};
 use eframe::wgpu::rwh::{HasWindowHandle, RawWindowHandle};
 use egui::{Event, PointerButton, Pos2, TouchPhase};
 use std::collections::VecDeque;
@@ -27,9 +27,9 @@ const DOUBLE_TAP: f64 = 0.4;
 /// What is plugged in, and where it is.
 #[derive(Default)]
 pub struct Devices {
-    x11: Option<Receiver<Told>>,
+    x11: Option<Receiver<PenMessage>>,
     why_not: String,
-    pens: Vec<x11::Pen>,
+    pens: Vec<x11::PenDevice>,
     /// Reports that wait for the next frame.
     waiting: Vec<PenSample>,
     /// The pen that spoke last: when on egui's clock.
@@ -128,11 +128,11 @@ impl Devices {
     }
 
     /// All reports since the last frame, in order, those that do not count left out.
-    pub fn poll(&mut self, frame: &Frame, settings: &Settings) -> Vec<Input> {
+    pub fn poll(&mut self, frame: &Frame, settings: &PenSettings) -> Vec<Input> {
         for told in self.x11.iter().flat_map(|told| told.try_iter()) {
             match told {
-                Told::Pens(pens) => self.pens = pens,
-                Told::Sample(sample) => self.waiting.push(PenSample {
+                PenMessage::Pens(pens) => self.pens = pens,
+                PenMessage::Sample(sample) => self.waiting.push(PenSample {
                     pos: (sample.pos.to_vec2() / frame.pixels_per_point).to_pos2(),
                     ..sample
                 }),
@@ -164,7 +164,7 @@ impl Devices {
         inputs
     }
 
-    fn feel(&self, sample: &PenSample, settings: &Settings) -> Feel {
+    fn feel(&self, sample: &PenSample, settings: &PenSettings) -> Feel {
         let pen = self.pens.iter().find(|pen| pen.device == sample.device);
         settings.feel(match (pen, sample.device) {
             (Some(pen), _) => &pen.name,
@@ -174,7 +174,7 @@ impl Devices {
     }
 
     /// Egui's touches and its pointer as reports.
-    fn of_egui(&mut self, frame: &Frame, settings: &Settings, reports: &mut Vec<PenSample>) {
+    fn of_egui(&mut self, frame: &Frame, settings: &PenSettings, reports: &mut Vec<PenSample>) {
         let pressure = if frame.shift { 1.0 } else { settings.mouse_pressure.clamp(0.0, 1.0) };
         let span = (frame.time - self.mouse.before).clamp(0.0, 0.1);
         let count = frame.events.len().max(1) as f64;
@@ -357,9 +357,9 @@ mod tests {
     fn frame(time: f64, events: &[Event]) -> Frame<'_> {
         Frame { events, time, pixels_per_point: 1.0, shift: false }
     }
-    fn plain() -> Settings {
+    fn plain() -> PenSettings {
         let feel = Feel { stabiliser: 0.0, ..Feel::default() };
-        Settings { devices: [(pen::TOUCH.to_owned(), feel)].into(), ..Settings::default() }
+        PenSettings { devices: [(pen::TOUCH.to_owned(), feel)].into(), ..PenSettings::default() }
     }
     fn press(x: f32, pressed: bool) -> Event {
         Event::PointerButton {
@@ -437,7 +437,7 @@ mod tests {
 
     #[test]
     fn the_mouse_has_the_pressure_of_choice_and_shift_is_full() {
-        let (mut devices, settings) = (Devices::default(), Settings::default());
+        let (mut devices, settings) = (Devices::default(), PenSettings::default());
         let down = [press(10.0, true)];
         assert_eq!(devices.poll(&frame(1.0, &down), &settings)[0].sample.pressure, 0.5);
         let moved = [Event::PointerMoved(Pos2::new(30.0, 50.0))];

@@ -1,7 +1,7 @@
 //! A stroke while it is drawn: from the pen's places on the screen to samples on the head.
 //!
 //! Samples are kept in the head's frame and units, as documents keep them, with the pen's pressure, tilt and time. What
-//! goes into the document is made from all samples by [`Line::stroke`] each time, so the stroke that stays when the
+//! goes into the document is made from all samples by [`GrowingStroke::stroke`] each time, so the stroke that stays when the
 //! pen is lifted is the one that a replay of the same samples gives, bit by bit, and it keeps its id (hence
 //! its hair) while it grows.
 
@@ -47,7 +47,7 @@ pub(crate) fn on_scalp(scalp: &Scalp, view: &Projection, at: Pos2, near: Vec3) -
 
 /// A stroke that grows.
 #[derive(Clone, Debug)]
-pub(crate) struct Line {
+pub(crate) struct GrowingStroke {
     scalp: Arc<Scalp>,
     lie: Lie,
     /// Whether strokes along the middle are put on it.
@@ -61,7 +61,7 @@ pub(crate) struct Line {
     world: Vec<Vec3>,
 }
 
-impl Line {
+impl GrowingStroke {
     /// A stroke that begins at a sample; none where there is no scalp under it or near it.
     pub(crate) fn begin(
         scalp: &Arc<Scalp>,

@@ -1,14 +1,14 @@
 //! One touch of the pen: what it has begun, and what of it the document knows.
 //!
-//! A gesture says what strokes should be now ([`Gesture::wanted`]); [`Gesture::flush`] turns the difference to what it
+//! A gesture says what strokes should be now ([`ActiveTouch::wanted`]); [`ActiveTouch::flush`] turns the difference to what it
 //! has told the document into edits. So live and final edits are made in one way, and nothing is told twice.
 
-use super::drawing::{Lie, Line, on_scalp};
+use super::drawing::{GrowingStroke, Lie, on_scalp};
 use super::edits::{self, Pass};
 use super::sample::{PenSample, Phase, Tool};
-use super::shapes::{Place, Shapes};
+use super::shapes::{Shapes, StrokePlace};
 use super::target::{self, Fresh};
-use super::{Pen, PenTool, Picked, Scene};
+use super::{Pen, PenTool, Scene, StrokeSelection};
 use crate::core::event::Event;
 use crate::core::pen::Along;
 use crate::core::shown::displayed;
@@ -35,9 +35,9 @@ const HAIRLINE: &str = "hairline";
 /// What a touch does.
 pub(super) enum Work {
     /// Draws a new stroke.
-    Draw(Line),
+    Draw(GrowingStroke),
     /// Draws a part of one anew.
-    Redraw { line: Line, of: Stroke },
+    Redraw { line: GrowingStroke, of: Stroke },
     /// Moves picked points.
     Move {
         from: Pos2,
@@ -56,7 +56,7 @@ pub(super) enum Work {
 }
 
 /// A touch under way.
-pub(super) struct Gesture {
+pub(super) struct ActiveTouch {
     node: NodeId,
     input: &'static str,
     words: String,
@@ -76,7 +76,7 @@ impl Pen {
         &mut self,
         input: &super::devices::Input,
         scene: &mut Scene,
-    ) -> Result<Option<Gesture>, &'static str> {
+    ) -> Result<Option<ActiveTouch>, &'static str> {
         let eraser = input.sample.tool == Tool::Eraser;
         let tool = if eraser { PenTool::Erase } else { self.tool };
         if let Some(why) = no_strokes(tool).filter(|_| scene.strokes.0.is_empty()) {
@@ -94,7 +94,7 @@ impl Pen {
         tool: PenTool,
         input: &super::devices::Input,
         scene: &mut Scene,
-    ) -> Option<Gesture> {
+    ) -> Option<ActiveTouch> {
         let sample = &input.sample;
         let (node, document) = (scene.node.cloned(), &scene.state.document);
         let gesture = |words: &str, work: Work| {
@@ -103,7 +103,7 @@ impl Pen {
             let input = target::strokes_input(kind)?;
             let words = format!("{}: {words}", document.name_of(&node));
             let (make, wanted, told) = Default::default();
-            Some(Gesture { node, input, words, make, begun: false, wanted, told, work })
+            Some(ActiveTouch { node, input, words, make, begun: false, wanted, told, work })
         };
         match tool {
             PenTool::Select | PenTool::Hair(_) | PenTool::Mask(_) => None,
@@ -111,18 +111,18 @@ impl Pen {
             PenTool::Points => {
                 let place = self.shapes.pick(sample.pos, scene.reach);
                 match place {
-                    Some(Place::Point(id, i)) => {
+                    Some(StrokePlace::Point(id, i)) => {
                         self.pick_point(id, i, scene);
                         if !self.picked.points.contains(&(id, i)) {
                             return None;
                         }
                         gesture("points moved", self.take_hold(sample, id, i, scene)?)
                     }
-                    Some(Place::Line(id, ..)) if input.double_tap => {
+                    Some(StrokePlace::Line(id, ..)) if input.double_tap => {
                         self.insert(id, sample.pos, scene);
                         None
                     }
-                    Some(Place::Line(id, ..)) => {
+                    Some(StrokePlace::Line(id, ..)) => {
                         self.pick_stroke(id, scene);
                         None
                     }
@@ -136,10 +136,10 @@ impl Pen {
             PenTool::Redraw => {
                 let reach = scene.reach * 3.0;
                 let picked = self.picked.touched();
-                let near = self.shapes.pick(sample.pos, reach).map(Place::stroke);
+                let near = self.shapes.pick(sample.pos, reach).map(StrokePlace::stroke);
                 let id = near.or_else(|| picked.first().copied())?;
                 let of = scene.strokes.0.iter().find(|stroke| stroke.id == id)?.clone();
-                let line = Line::begin(
+                let line = GrowingStroke::begin(
                     scene.scalp,
                     scene.view,
                     sample,
@@ -147,7 +147,8 @@ impl Pen {
                     false,
                     scene.strokes,
                 )?;
-                self.picked = Picked { strokes: [id].into(), ..Picked::default() };
+                self.picked =
+                    StrokeSelection { strokes: [id].into(), ..StrokeSelection::default() };
                 gesture("a stroke re-drawn", Work::Redraw { line, of })
             }
             PenTool::Erase => {
@@ -165,7 +166,7 @@ impl Pen {
         }
     }
 
-    fn begin_stroke(&mut self, sample: &PenSample, scene: &mut Scene) -> Option<Gesture> {
+    fn begin_stroke(&mut self, sample: &PenSample, scene: &mut Scene) -> Option<ActiveTouch> {
         let document = &scene.state.document;
         let (node, make) = match scene.node {
             Some(node) => (node.clone(), vec![]),
@@ -177,7 +178,7 @@ impl Pen {
         let fresh = !make.is_empty();
         let lie = if fresh && self.free { Lie::Space } else { scene.lie() };
         let both = if fresh { scene.state.settings.pen.symmetry } else { scene.is_mirrored() };
-        let line = Line::begin(scene.scalp, scene.view, sample, lie, both, scene.strokes)?;
+        let line = GrowingStroke::begin(scene.scalp, scene.view, sample, lie, both, scene.strokes)?;
         let kind = document.node(node.as_str()).map_or(target::KIND, |node| &node.kind);
         let input = target::strokes_input(kind)?;
         let words = match fresh {
@@ -186,7 +187,7 @@ impl Pen {
         };
         let (wanted, told) = Default::default();
         let work = Work::Draw(line);
-        Some(Gesture { node, input, words, make, begun: false, wanted, told, work })
+        Some(ActiveTouch { node, input, words, make, begun: false, wanted, told, work })
     }
 
     /// A click on a point: alone, or with Shift one more or one less.
@@ -197,7 +198,7 @@ impl Pen {
                 self.picked.points.insert(point);
             }
         } else if !self.picked.points.contains(&point) {
-            self.picked = Picked { points: [point].into(), ..Picked::default() };
+            self.picked = StrokeSelection { points: [point].into(), ..StrokeSelection::default() };
         }
         self.show_picked(scene);
     }
@@ -209,7 +210,7 @@ impl Pen {
                 self.picked.strokes.insert(id);
             }
         } else {
-            self.picked = Picked { strokes: [id].into(), ..Picked::default() };
+            self.picked = StrokeSelection { strokes: [id].into(), ..StrokeSelection::default() };
         }
         self.show_picked(scene);
     }
@@ -226,7 +227,7 @@ impl Pen {
     fn insert(&mut self, id: u64, at: Pos2, scene: &mut Scene) {
         let Some(node) = scene.node else { return };
         let Some(stroke) = scene.strokes.0.iter().find(|stroke| stroke.id == id) else { return };
-        let Some(Place::Line(_, i, t)) = self.shapes.pick(at, scene.reach) else { return };
+        let Some(StrokePlace::Line(_, i, t)) = self.shapes.pick(at, scene.reach) else { return };
         let ways = cvs::ways(&stroke.samples);
         let (Some(from), Some(to)) = (ways.get(i), ways.get(i + 1)) else { return };
         let kind = scene.state.document.node(node.as_str()).map_or("", |node| &node.kind);
@@ -236,7 +237,8 @@ impl Pen {
             let words = format!("{}: point inserted", scene.state.document.name_of(node));
             let edit = Edit::ReplaceStroke { node: node.clone(), input: input.to_owned(), stroke };
             scene.out.extend([Event::Begin(words), Event::Edit(edit), Event::End]);
-            self.picked = Picked { points: [(id, new)].into(), ..Picked::default() };
+            self.picked =
+                StrokeSelection { points: [(id, new)].into(), ..StrokeSelection::default() };
         }
     }
 
@@ -275,14 +277,14 @@ impl Scene<'_> {
     }
 }
 
-impl Gesture {
+impl ActiveTouch {
     /// The next sample of the touch.
     pub(super) fn go_on(
         &mut self,
         sample: &PenSample,
         scene: &mut Scene,
         shapes: &Shapes,
-        picked: &mut Picked,
+        picked: &mut StrokeSelection,
     ) {
         match &mut self.work {
             Work::Draw(line) | Work::Redraw { line, .. } => line.add(scene.view, sample),
@@ -416,7 +418,7 @@ impl Gesture {
     }
 
     /// The touch is over.
-    pub(super) fn end(&mut self, scene: &mut Scene, shapes: &Shapes, picked: &mut Picked) {
+    pub(super) fn end(&mut self, scene: &mut Scene, shapes: &Shapes, picked: &mut StrokeSelection) {
         if let Work::Outline { line, lasso, add } = &self.work {
             take_outline(line, *lasso, *add, shapes, picked);
             return;
@@ -489,7 +491,13 @@ fn no_strokes(tool: PenTool) -> Option<&'static str> {
 }
 
 /// Picks the points within a box from the first to the last place, or within the line. A click picks nothing.
-fn take_outline(line: &[Pos2], lasso: bool, add: bool, shapes: &Shapes, picked: &mut Picked) {
+fn take_outline(
+    line: &[Pos2],
+    lasso: bool,
+    add: bool,
+    shapes: &Shapes,
+    picked: &mut StrokeSelection,
+) {
     let (Some(first), Some(last)) = (line.first(), line.last()) else { return };
     let outline = match lasso {
         true => line.to_vec(),
@@ -499,7 +507,7 @@ fn take_outline(line: &[Pos2], lasso: bool, add: bool, shapes: &Shapes, picked: 
         }
     };
     if !add {
-        *picked = Picked::default();
+        *picked = StrokeSelection::default();
     }
     picked.points.extend(shapes.inside(&outline));
 }

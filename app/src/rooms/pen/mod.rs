@@ -38,7 +38,7 @@ use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::{Mode, Strokes};
 use devices::{Devices, Frame, Input};
 use egui::{Key, Pos2, Rect};
-use gestures::{Gesture, Work};
+use gestures::{ActiveTouch, Work};
 use sample::Phase;
 use shapes::Shapes;
 use std::collections::BTreeSet;
@@ -149,14 +149,14 @@ fn hair_tool(tool: Option<Tool>) -> (Option<Tool>, &'static str, &'static str) {
 
 /// What is picked of the strokes of the node that the pen works on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Picked {
+pub struct StrokeSelection {
     /// Strokes.
     pub strokes: BTreeSet<u64>,
     /// Points of strokes, by number.
     pub points: BTreeSet<(u64, usize)>,
 }
 
-impl Picked {
+impl StrokeSelection {
     /// The strokes that are picked or have a picked point.
     pub fn touched(&self) -> BTreeSet<u64> {
         self.strokes.iter().copied().chain(self.points.iter().map(|(id, _)| *id)).collect()
@@ -181,7 +181,7 @@ pub struct Pen {
     /// What it does.
     pub tool: PenTool,
     /// What it has hold of.
-    pub picked: Picked,
+    pub picked: StrokeSelection,
     /// Whether the settings of devices are open.
     pub settings_open: bool,
     /// Whether new nodes hold strokes in space.
@@ -190,7 +190,7 @@ pub struct Pen {
     pub(crate) hair: hair::Hair,
     /// What it paints.
     pub(crate) mask: mask::Mask,
-    gesture: Option<Gesture>,
+    gesture: Option<ActiveTouch>,
     /// What a touch on strokes had to say.
     said: Option<Said>,
     /// What ended in this frame: it is painted until the document, in the next one, has it.
@@ -349,7 +349,7 @@ impl Pen {
         let strokes =
             node.as_ref().map_or_else(Arc::default, |id| target::strokes(&state.document, id));
         if node != self.node {
-            (self.node, self.picked) = (node.clone(), Picked::default());
+            (self.node, self.picked) = (node.clone(), StrokeSelection::default());
         }
         self.picked.keep(&strokes);
         if self.tool == PenTool::Select {
@@ -442,7 +442,7 @@ impl Pen {
     /// Picks a stroke of a node, whose curves need not be selected.
     pub(crate) fn pick(&mut self, node: NodeId, id: u64, selected: &BTreeSet<u64>) {
         self.node = Some(node);
-        self.picked = Picked { strokes: [id].into(), ..Picked::default() };
+        self.picked = StrokeSelection { strokes: [id].into(), ..StrokeSelection::default() };
         self.followed = selected.clone();
     }
 
@@ -460,7 +460,7 @@ impl Pen {
                 .any(|c| selected.contains(c))
         };
         let ids = strokes.0.iter().map(|stroke| stroke.id).filter(is_selected).collect();
-        self.picked = Picked { strokes: ids, ..Picked::default() };
+        self.picked = StrokeSelection { strokes: ids, ..StrokeSelection::default() };
     }
 
     /// One report: hovering is remembered, a touch begins, goes on or ends.

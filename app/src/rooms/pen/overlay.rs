@@ -4,7 +4,7 @@
 //! Points and lines have the same size at any distance. What is picked differs by shape and size, not by colour alone.
 
 use super::gestures::Work;
-use super::shapes::{Place, Shape};
+use super::shapes::{Shape, StrokePlace};
 use super::{Pen, PenTool, Said, Scene};
 use crate::core::projection::Projection;
 use crate::widgets::theme;
@@ -28,10 +28,10 @@ impl Pen {
         if self.tool != PenTool::Select {
             let hovered = self.hovered(scene);
             for shape in self.shapes.all() {
-                let whose = hovered.map(Place::stroke) == Some(shape.id);
+                let whose = hovered.map(StrokePlace::stroke) == Some(shape.id);
                 self.paint_stroke(&painter, shape, whose);
             }
-            if let Some(Place::Point(id, i)) = hovered
+            if let Some(StrokePlace::Point(id, i)) = hovered
                 && let Some(p) = self.shapes.of(id).and_then(|shape| shape.screen[i])
             {
                 painter.circle_stroke(p, POINT + 3.0, Stroke::new(1.5, theme::ACCENT));
@@ -65,7 +65,7 @@ impl Pen {
     }
 
     /// What a touch would pick now.
-    fn hovered(&self, scene: &Scene) -> Option<Place> {
+    fn hovered(&self, scene: &Scene) -> Option<StrokePlace> {
         let input = self.hover.filter(|_| self.gesture.is_none())?;
         let reach = match self.tool {
             PenTool::Points => scene.reach,

@@ -3,7 +3,7 @@
 use super::{HAIR_TOOLS, Pen, PenTool, edits, recipes, target};
 use crate::core::action::Of;
 use crate::core::event::Event;
-use crate::core::pen::{Along, Curve, Feel, MOUSE, Settings, TOUCH};
+use crate::core::pen::{Along, Curve, Feel, MOUSE, PenSettings, TOUCH};
 use crate::core::state::State;
 use crate::widgets::panel;
 use crate::widgets::theme;
@@ -34,11 +34,7 @@ impl Pen {
         ui.horizontal_wrapped(|ui| {
             let tools = PenTool::ALL.map(|tool| (tool, tool.label(), tool.action()));
             self.tools(&tools[..1], ui, out);
-            name(
-                ui,
-                "Strokes",
-                "Tools that draw and change strokes, which become rows and guides.",
-            );
+            name(ui, "Strokes", "Draw and edit strokes, for rows and guides.");
             self.tools(&tools[1..], ui, out);
             let head = state.pinned.is_some() && state.pinned == target::head(&state.document);
             act(ui, head, "pen.hairline", out);
@@ -53,14 +49,14 @@ impl Pen {
                     }
                 });
             });
-            menu.response.on_hover_text("Whole pieces of a graph, ready to be drawn into.");
+            menu.response.on_hover_text("Ready-made parts of a graph to draw into.");
             act(ui, self.settings_open, "pen.settings", out);
         });
         ui.horizontal_wrapped(|ui| {
             name(
                 ui,
                 "Hair",
-                "Tools that plant and style hair on the head, or hair that a graph made.",
+                "Implant and style hair on the head, or edit hair that the graph made.",
             );
             let tools: Vec<_> = HAIR_TOOLS
                 .iter()
@@ -72,11 +68,7 @@ impl Pen {
         let line = egui::ScrollArea::horizontal().id_salt("pen settings line");
         line.show(ui, |ui| {
             ui.horizontal(|ui| {
-                name(
-                    ui,
-                    "Mask",
-                    "Tools that paint a number on the head, which any field can read.",
-                );
+                name(ui, "Mask", "Paint a mask on the head, for any field to read.");
                 self.mask_bar(&mut settings, ui, out);
                 // What the tool in hand needs comes last, so that no tool is ever elsewhere.
                 if let PenTool::Hair(tool) = self.tool {
@@ -120,7 +112,7 @@ impl Pen {
     }
 
     /// What the tool in hand needs.
-    fn tool_settings(&mut self, settings: &mut Settings, ui: &mut Ui) {
+    fn tool_settings(&mut self, settings: &mut PenSettings, ui: &mut Ui) {
         let number = |ui: &mut Ui, value: &mut f32, range, unit: &str, name: &str, tip: &str| {
             let drag = egui::DragValue::new(value).range(range).speed(0.02).suffix(unit);
             ui.add(drag.prefix(format!("{name} "))).on_hover_text(tip);
@@ -136,11 +128,11 @@ impl Pen {
             );
         }
         if matches!(self.tool, PenTool::Comb | PenTool::Smooth) {
-            let tip = "What one pass does. Pressure is on top of it.";
+            let tip = "Strength of one pass, multiplied by pressure.";
             number(ui, &mut settings.strength, 0.01..=1.0, "", "Strength", tip);
         }
         if self.tool == PenTool::Draw {
-            let tip = "The pressure of a mouse. Shift is full pressure, the wheel changes it while drawing.";
+            let tip = "Pressure of the mouse. Shift is full pressure; the wheel changes it while drawing.";
             number(ui, &mut settings.mouse_pressure, 0.0..=1.0, "", "Mouse pressure", tip);
         }
         if self.tool == PenTool::Points {
@@ -155,21 +147,22 @@ impl Pen {
                     ui.selectable_value(&mut settings.along, along, name(along));
                 }
             });
-            response.response.on_hover_text("What dragged points move along.");
-            let tip = "How far along a stroke its points go along with a dragged one.";
+            response.response.on_hover_text("Surface that dragged points move along.");
+            let tip =
+                "Length along the stroke over which neighbouring points follow a dragged one.";
             number(ui, &mut settings.falloff, 0.0..=50.0, " cm", "Falloff", tip);
         }
     }
 
     /// What a tool on hair needs: how deep it reaches, its brush, the colour of what it plants.
-    fn hair_settings(&mut self, tool: Option<Tool>, settings: &mut Settings, ui: &mut Ui) {
+    fn hair_settings(&mut self, tool: Option<Tool>, settings: &mut PenSettings, ui: &mut Ui) {
         let levels = [
             (Layer::Nearest, "1", "Level 1: the cluster nearest to the eye."),
             (Layer::Through, "2", "Level 2: all hair down to the head."),
             (Layer::Scalp, "3", "Level 3: the skin, and what is rooted there."),
         ];
         ui.label("Level").on_hover_text(
-            "How deep a touch reaches. With none chosen a pen's pressure says it, and a mouse by what it touches.",
+            "How deep a touch reaches. With none chosen: by pen pressure, or by what a mouse touches.",
         );
         for (level, label, tip) in levels {
             let on = self.hair.level == Some(level);
@@ -184,15 +177,15 @@ impl Pen {
         };
         if brush || tool == Some(Tool::Scatter) {
             let drag = drag(&mut settings.hair_brush, 0.1..=50.0, "Size ", " cm");
-            ui.add(drag).on_hover_text("Radius of the brush at the head.");
+            ui.add(drag).on_hover_text("Radius of the brush on the head.");
         }
         if brush && tool != Some(Tool::Grab) || matches!(tool, None | Some(Tool::Comb)) {
             let drag = drag(&mut settings.strength, 0.01..=1.0, "Strength ", "");
-            ui.add(drag).on_hover_text("At 0.5 combed hair goes as far as the pen.");
+            ui.add(drag).on_hover_text("Strength: at 0.5, combed hair moves as far as the pen.");
         }
         if matches!(tool, None | Some(Tool::Implant | Tool::Silhouette)) {
             let mut own = settings.hair_colour.is_some();
-            let tip = "Implant clusters of a colour of their own; else they have that of the hair.";
+            let tip = "Give implanted clusters their own colour instead of the hair's.";
             if ui.checkbox(&mut own, "Colour").on_hover_text(tip).changed() {
                 settings.hair_colour = own.then_some([120, 60, 30]);
             }
@@ -218,7 +211,7 @@ impl Pen {
         let Some(mut height) = edits::height(scalp, p) else { return };
         let drag = egui::DragValue::new(&mut height).range(-20.0..=100.0).speed(0.02).suffix(" cm");
         let drag = drag.fixed_decimals(2);
-        let tip = "How high the picked points are over the scalp.";
+        let tip = "Height of the picked points above the scalp.";
         if !ui.add(drag.prefix("Height ")).on_hover_text(tip).changed() {
             return;
         }
@@ -272,10 +265,10 @@ impl Pen {
                     ui.separator();
                     ui.checkbox(&mut settings.level_by_mean, "Level by the first 2 pixels")
                         .on_hover_text(
-                            "How deep a touch on hair reaches is told by the mean pressure of its first 2 pixels, instead of the highest of its first 80 ms or 12 pixels.",
+                            "Set the level of a touch by the mean pressure of its first 2 pixels, not the highest of its first 80 ms or 12 pixels.",
                         );
                     ui.checkbox(&mut settings.fingers_draw, "Fingers draw")
-                        .on_hover_text("A finger works as a pen does, unless a pen is near.");
+                        .on_hover_text("Draw with a finger, unless a pen is near.");
                     ui.label("Last touch");
                     strip(ui, &self.strip);
                 })
@@ -303,14 +296,15 @@ impl Pen {
                 });
             });
             ui.add(Slider::new(&mut feel.minimum, 0.0..=0.9).text("Minimum pressure"))
-                .on_hover_text("Less counts as none: for tips that never lift.");
+                .on_hover_text("Smallest pressure that counts, for worn tips that never lift.");
         }
         ui.add(Slider::new(&mut feel.stabiliser, 0.0..=1.0).text("Stabiliser"))
-            .on_hover_text("How far the line lags behind a trembling hand; 1 is 150 ms.");
+            .on_hover_text("Lag of the line that smooths out tremor: 1 is 150 ms.");
         ui.add(Slider::new(&mut feel.double_tap, 0.0..=60.0).text("Double tap distance"))
-            .on_hover_text("How far apart two taps may be that count as a double tap.");
-        ui.checkbox(&mut feel.left_handed, "Left-handed")
-            .on_hover_text("Labels go to the left of the pen, where the hand does not cover them.");
+            .on_hover_text("Largest distance between the two taps of a double tap.");
+        ui.checkbox(&mut feel.left_handed, "Left-handed").on_hover_text(
+            "Put labels to the left of the pen, where the hand does not cover them.",
+        );
     }
 }
 
@@ -342,8 +336,7 @@ fn curve(ui: &mut Ui, curve: &mut Curve) {
         let v = (p - rect.left_bottom()) / rect.size();
         (v.x.clamp(0.0, 1.0), (-v.y).clamp(0.0, 1.0))
     };
-    let response =
-        response.on_hover_text("Pressure of the pen to the right, what becomes of it upwards.");
+    let response = response.on_hover_text("Right: pressure of the pen. Up: the pressure used.");
     if let Some(p) = response.interact_pointer_pos() {
         // A drag keeps the point that it took.
         let id = response.id;

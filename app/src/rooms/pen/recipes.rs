@@ -8,7 +8,7 @@ use crate::library;
 use coif_graphs::document::edit::{Edit, between};
 use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups};
 use coif_graphs::grooms;
-use coif_graphs::template::{self, Place};
+use coif_graphs::template::{self, Placement};
 use coif_nodes::define::Value;
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "sketch_hair",
         label: "Sketch hair",
-        tip: "Draw hair on the head: press and draw to plant a cluster, lightly on from its tip, over hair to comb it.",
+        tip: "Draw hair on the head: press to implant a cluster, draw lightly from its tip to lengthen it, over hair to comb.",
         action: "recipe.sketch_hair",
         draws: Draws::Hair,
         selects: None,
@@ -54,7 +54,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "draw_cornrows",
         label: "Cornrows",
-        tip: "Draw rows on the head; each becomes a three-strand braid that lies on it.",
+        tip: "Draw rows on the head; each becomes a cornrow of three strands.",
         action: "recipe.cornrows",
         draws: Draws::Rows,
         selects: None,
@@ -62,7 +62,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "flat_twists",
         label: "Flat twists",
-        tip: "Draw rows on the head; each becomes two strands turned about each other.",
+        tip: "Draw rows on the head; each becomes a flat twist of two strands.",
         action: "recipe.flat_twists",
         draws: Draws::Rows,
         selects: None,
@@ -70,7 +70,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "draw_box_braids",
         label: "Box braids",
-        tip: "Draw braids in space, from the root on the scalp to the tip; each hangs as three strands.",
+        tip: "Draw braids in space, from root to tip; each becomes a hanging braid of three strands.",
         action: "recipe.box_braids",
         draws: Draws::Free,
         selects: None,
@@ -78,7 +78,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "draw_two_strand_twists",
         label: "Two-strand twists",
-        tip: "Draw twists in space, from the root on the scalp to the tip; each is a rope of two.",
+        tip: "Draw twists in space, from root to tip; each becomes a rope of two strands.",
         action: "recipe.two_strand_twists",
         draws: Draws::Free,
         selects: None,
@@ -86,7 +86,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "locks",
         label: "Locks",
-        tip: "Draw locks in space, from the root on the scalp to the tip; each is filled with hair.",
+        tip: "Draw locks in space, from root to tip; each is filled with hair.",
         action: "recipe.locks",
         draws: Draws::Free,
         selects: None,
@@ -118,7 +118,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "fringe",
         label: "Fringe",
-        tip: "Hair from a wedge above the forehead, combed forward and cut level over the brows.",
+        tip: "A fringe from a wedge above the forehead, combed forward and cut level above the brows.",
         action: "recipe.fringe",
         draws: Draws::Nothing,
         selects: None,
@@ -126,7 +126,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "pony_tail",
         label: "Pony tail",
-        tip: "Combed from everywhere into a tie at the back, with a lock wound round the band.",
+        tip: "All hair combed into a tie at the back, with a lock wound around the band.",
         action: "recipe.pony_tail",
         draws: Draws::Nothing,
         selects: Some("gather"),
@@ -142,7 +142,7 @@ pub(crate) const ALL: [Recipe; 14] = [
     Recipe {
         template: "afro",
         label: "Afro",
-        tip: "Kinks picked out and cut round.",
+        tip: "Kinky hair, picked out and cut round.",
         action: "recipe.afro",
         draws: Draws::Nothing,
         selects: None,
@@ -158,7 +158,7 @@ pub(crate) const ALL: [Recipe; 14] = [
 ];
 
 /// A recipe as it is put into a document.
-pub(crate) struct Made {
+pub(crate) struct RecipeEdits {
     /// The node that the pen draws into; where it draws nothing, the one to be selected.
     pub(crate) node: NodeId,
     /// All of it.
@@ -181,7 +181,7 @@ impl Recipe {
         document: &Document,
         strokes: Option<&NodeId>,
         mirror: bool,
-    ) -> Result<Made, String> {
+    ) -> Result<RecipeEdits, String> {
         let found = grooms::TEMPLATES.iter().find(|(name, _)| *name == self.template);
         let (_, text) = found.ok_or("it does not come with this version")?;
         let template = library::shipped(text)?.document;
@@ -189,7 +189,8 @@ impl Recipe {
         // Where it stands in its own file, until all of it is moved.
         let at = template::group_of(&template)?;
         let at = Some(template.layout.get(at).copied().unwrap_or_default());
-        let added = template::add(document, &template, Place { drawn, at, ..Place::default() })?;
+        let added =
+            template::add(document, &template, Placement { drawn, at, ..Placement::default() })?;
         let mut grouped = document.clone();
         added.edit.apply(&mut grouped).map_err(|err| err.to_string())?;
         let (mut plain, _) = groups::ungroup(&grouped, &added.id)?;
@@ -225,7 +226,7 @@ impl Recipe {
         let rest = document.nodes.values().any(|node| node.kind == "groom_output");
         let show = (!rest).then_some(hair);
         plain.display = None;
-        Ok(Made { node, edits: vec![between(document, &plain), Edit::SetDisplay(show)] })
+        Ok(RecipeEdits { node, edits: vec![between(document, &plain), Edit::SetDisplay(show)] })
     }
 }
 
@@ -249,20 +250,13 @@ fn move_under(document: &Document, plain: &mut Document, template: &Document) {
     bends.flat_map(|(_, wires)| wires).flatten().for_each(moved);
 }
 
-fn seed_of(node: &Node) -> Option<i64> {
-    match node.inputs.get("seed") {
-        Some(Setting::Known(Value::Int(seed))) => Some(*seed),
-        _ => None,
-    }
-}
-
 fn last_seed(document: &Document) -> i64 {
-    document.nodes.values().filter_map(|node| seed_of(node)).max().unwrap_or(0).max(0)
+    document.nodes.values().filter_map(|node| node.seed()).max().unwrap_or(0).max(0)
 }
 
 /// Where a document ended with its seeds a recipe goes on.
 fn follow(node: &mut Node, after: i64) {
-    if let Some(seed) = seed_of(node) {
+    if let Some(seed) = node.seed() {
         let seed = Value::Int(seed.saturating_add(after));
         node.inputs.insert("seed".to_owned(), Setting::Known(seed));
     }
@@ -290,7 +284,7 @@ mod tests {
         for recipe in &ALL {
             let text = grooms::TEMPLATES.iter().find(|(name, _)| *name == recipe.template);
             let template = library::shipped(text.unwrap().1).unwrap().document;
-            let added = template::add(&head(), &template, Place::default()).unwrap();
+            let added = template::add(&head(), &template, Placement::default()).unwrap();
             assert_eq!(added.draws.is_some(), recipe.is_drawn(), "{}", recipe.label);
         }
     }
@@ -360,7 +354,7 @@ mod tests {
         assert_eq!(document.display, None, "all outputs are shown");
         let count = |kind: &str| document.nodes.values().filter(|node| node.kind == kind).count();
         assert_eq!((count("head"), count("groom_output")), (1, 3));
-        let seeds: Vec<i64> = document.nodes.values().filter_map(|node| seed_of(node)).collect();
+        let seeds: Vec<i64> = document.nodes.values().filter_map(|node| node.seed()).collect();
         assert_eq!(seeds.len(), seeds.iter().collect::<BTreeSet<_>>().len(), "{seeds:?}");
         let places: BTreeSet<String> =
             document.layout.values().map(|at| format!("{at:?}")).collect();

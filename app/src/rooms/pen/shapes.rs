@@ -6,10 +6,9 @@
 use super::target;
 use crate::core::projection::Projection;
 use crate::core::state::State;
-use coif_graphs::document::{NodeId, Setting};
+use coif_graphs::document::NodeId;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::Strokes;
-use coif_nodes::define::Value;
 use coif_nodes::maths::hash::curve_id;
 use egui::{Pos2, Rect};
 use glam::Vec3;
@@ -38,18 +37,18 @@ pub(crate) struct Shape {
 
 /// A place of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Place {
+pub(crate) enum StrokePlace {
     /// One of its points.
     Point(u64, usize),
     /// Between two: behind which, and the part of the way to the next.
     Line(u64, usize, f32),
 }
 
-impl Place {
+impl StrokePlace {
     /// Whose place it is.
     pub(crate) fn stroke(self) -> u64 {
         match self {
-            Place::Point(id, _) | Place::Line(id, ..) => id,
+            StrokePlace::Point(id, _) | StrokePlace::Line(id, ..) => id,
         }
     }
 }
@@ -145,12 +144,12 @@ impl Shapes {
 
     /// What lies nearest to a place of the screen within `reach` points: a point of a stroke if there is one, else a place
     /// on a line.
-    pub(crate) fn pick(&self, at: Pos2, reach: f32) -> Option<Place> {
+    pub(crate) fn pick(&self, at: Pos2, reach: f32) -> Option<StrokePlace> {
         let free = || self.all.iter().filter(|shape| !shape.locked);
         let points = free().flat_map(|shape| {
             shape.screen.iter().enumerate().filter_map(move |(i, p)| {
                 let distance = p.filter(|_| shape.seen[i])?.distance(at);
-                Some((distance, Place::Point(shape.id, i)))
+                Some((distance, StrokePlace::Point(shape.id, i)))
             })
         });
         let lines = free().flat_map(|shape| {
@@ -158,11 +157,11 @@ impl Shapes {
                 let [Some(a), Some(b)] = *pair else { return None };
                 let t = along(a, b, at);
                 let seen = shape.seen[i] || shape.seen[i + 1];
-                seen.then(|| ((a + (b - a) * t).distance(at), Place::Line(shape.id, i, t)))
+                seen.then(|| ((a + (b - a) * t).distance(at), StrokePlace::Line(shape.id, i, t)))
             })
         });
-        let near = |found: &(f32, Place)| found.0 <= reach;
-        let nearer = |a: &(f32, Place), b: &(f32, Place)| a.0.total_cmp(&b.0);
+        let near = |found: &(f32, StrokePlace)| found.0 <= reach;
+        let nearer = |a: &(f32, StrokePlace), b: &(f32, StrokePlace)| a.0.total_cmp(&b.0);
         let point = points.filter(near).min_by(nearer);
         point.or_else(|| lines.filter(near).min_by(nearer)).map(|(_, place)| place)
     }
@@ -201,13 +200,8 @@ impl Shapes {
     }
 }
 
-/// The seed of a node, which is in the ids of its curves.
 fn seed_of(state: &State, node: &NodeId) -> u64 {
-    let node = state.document.node(node.as_str());
-    match node.and_then(|node| node.inputs.get("seed")) {
-        Some(Setting::Known(Value::Int(seed))) => *seed as u64,
-        _ => 0,
-    }
+    state.document.node(node.as_str()).and_then(|node| node.seed()).unwrap_or(0) as u64
 }
 
 /// Displayed curves that strokes of the node became.
@@ -263,8 +257,8 @@ mod tests {
     fn the_nearest_of_what_is_seen_and_free_is_picked() {
         let shapes = shapes();
         let at = |x, y| shapes.pick(Pos2::new(x, y), 10.0);
-        assert_eq!(at(52.0, 3.0), Some(Place::Point(1, 1)));
-        assert_eq!(at(75.0, 4.0), Some(Place::Line(1, 1, 0.5)));
+        assert_eq!(at(52.0, 3.0), Some(StrokePlace::Point(1, 1)));
+        assert_eq!(at(75.0, 4.0), Some(StrokePlace::Line(1, 1, 0.5)));
         assert_eq!(at(75.0, 15.0), None);
         // Behind the head, and locked.
         assert_eq!(at(50.0, 30.0), None);

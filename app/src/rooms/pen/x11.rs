@@ -25,16 +25,16 @@ use x11rb::rust_connection::RustConnection;
 
 /// What the thread tells.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Told {
+pub(crate) enum PenMessage {
     /// The pens that are plugged in now.
-    Pens(Vec<Pen>),
+    Pens(Vec<PenDevice>),
     /// A report. `pos` is in physical pixels of the window here.
     Sample(PenSample),
 }
 
 /// A pen that the server knows.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Pen {
+pub(crate) struct PenDevice {
     /// Its number.
     pub(crate) device: Device,
     /// Its name.
@@ -99,7 +99,7 @@ enum Kind {
 }
 
 /// The sample that an event is.
-fn decode(pen: &Pen, memory: &mut Memory, kind: Kind, event: &ButtonPressEvent) -> PenSample {
+fn decode(pen: &PenDevice, memory: &mut Memory, kind: Kind, event: &ButtonPressEvent) -> PenSample {
     let read = |axis: Option<Axis>| axis.and_then(|axis| axis.read(event));
     memory.pressure = read(pen.axes.pressure).unwrap_or(memory.pressure);
     let tilt = |axis, before: f32| read(axis).map_or(before, |part| part * 2.0 - 1.0);
@@ -144,7 +144,7 @@ struct Listener {
     connection: RustConnection,
     window: u32,
     labels: [u32; 4],
-    pens: Vec<Pen>,
+    pens: Vec<PenDevice>,
 }
 
 impl Listener {
@@ -187,7 +187,7 @@ impl Listener {
             if axes.pressure.is_some() {
                 let name = String::from_utf8_lossy(&info.name).into_owned();
                 let (device, tool) = (Device(u32::from(info.deviceid)), tool_of(&name));
-                self.pens.push(Pen { device, name, tool, axes });
+                self.pens.push(PenDevice { device, name, tool, axes });
                 // A device may be gone again before it is asked: the next change of the hierarchy tells.
                 let _ = self.select(info.deviceid);
             }
@@ -214,7 +214,7 @@ impl Listener {
     }
 
     /// Tells until nobody listens or the server is gone.
-    fn listen(mut self, tell: &Sender<Told>, wake: &dyn Fn()) {
+    fn listen(mut self, tell: &Sender<PenMessage>, wake: &dyn Fn()) {
         let mut memory: BTreeMap<Device, Memory> = BTreeMap::new();
         loop {
             let Ok(event) = self.connection.wait_for_event() else { return };
@@ -240,7 +240,7 @@ impl Listener {
                         buttons: Buttons::default(),
                         device,
                     };
-                    if tell.send(Told::Sample(sample)).is_err() {
+                    if tell.send(PenMessage::Sample(sample)).is_err() {
                         return;
                     }
                     wake();
@@ -252,7 +252,7 @@ impl Listener {
                         return;
                     }
                     if before != self.pens {
-                        let _ = tell.send(Told::Pens(self.pens.clone()));
+                        let _ = tell.send(PenMessage::Pens(self.pens.clone()));
                         wake();
                     }
                     continue;
@@ -262,7 +262,7 @@ impl Listener {
             let device = Device(u32::from(event.deviceid));
             let Some(pen) = self.pens.iter().find(|pen| pen.device == device) else { continue };
             let sample = decode(pen, memory.entry(device).or_default(), kind, &event);
-            if tell.send(Told::Sample(sample)).is_err() {
+            if tell.send(PenMessage::Sample(sample)).is_err() {
                 return;
             }
             wake();
@@ -281,11 +281,11 @@ pub(crate) fn has_pens() -> bool {
 pub(crate) fn listen(
     window: u32,
     wake: impl Fn() + Send + 'static,
-) -> Result<Receiver<Told>, Box<dyn std::error::Error + Send + Sync>> {
+) -> Result<Receiver<PenMessage>, Box<dyn std::error::Error + Send + Sync>> {
     let mut listener = Listener::new(window)?;
     listener.look()?;
     let (tell, told) = channel();
-    let _ = tell.send(Told::Pens(listener.pens.clone()));
+    let _ = tell.send(PenMessage::Pens(listener.pens.clone()));
     let thread = std::thread::Builder::new().name("pen".into());
     thread.spawn(move || listener.listen(&tell, &wake))?;
     Ok(told)
@@ -295,9 +295,9 @@ pub(crate) fn listen(
 mod tests {
     use super::*;
 
-    fn pen() -> Pen {
+    fn pen() -> PenDevice {
         let axis = |number, min, max| Some(Axis { number, min, max });
-        Pen {
+        PenDevice {
             device: Device(9),
             name: "Stylus".into(),
             tool: Tool::Tip,

@@ -18,7 +18,7 @@ pub(crate) struct Filter {
 
 /// What a row has in a column.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Cell {
+pub(crate) enum FilterValue {
     /// A number.
     Number(f64),
     /// Words, compared as they are.
@@ -76,23 +76,23 @@ impl Filter {
     }
 
     /// Whether a row passes, where `cell(i)` is what it has in the column `names()[i]`.
-    pub(crate) fn passes(&self, cell: &dyn Fn(usize) -> Cell) -> bool {
+    pub(crate) fn passes(&self, cell: &dyn Fn(usize) -> FilterValue) -> bool {
         self.root.holds(cell)
     }
 }
 
 impl Test {
-    fn holds(&self, cell: &dyn Fn(usize) -> Cell) -> bool {
+    fn holds(&self, cell: &dyn Fn(usize) -> FilterValue) -> bool {
         match self {
             Test::And(all) => all.iter().all(|test| test.holds(cell)),
             Test::Or(any) => any.iter().any(|test| test.holds(cell)),
             Test::Not(test) => !test.holds(cell),
             Test::True(term) => match term.value(cell) {
-                Cell::Number(x) => x != 0.0 && !x.is_nan(),
-                Cell::Text(text) => !text.is_empty(),
+                FilterValue::Number(x) => x != 0.0 && !x.is_nan(),
+                FilterValue::Text(text) => !text.is_empty(),
             },
             Test::Compare(a, sign, b) => match (a.value(cell), b.value(cell)) {
-                (Cell::Number(a), Cell::Number(b)) => match sign {
+                (FilterValue::Number(a), FilterValue::Number(b)) => match sign {
                     Sign::Less => a < b,
                     Sign::LessOrSame => a <= b,
                     Sign::More => a > b,
@@ -100,7 +100,7 @@ impl Test {
                     Sign::Same => a == b,
                     Sign::Other => a != b,
                 },
-                (Cell::Text(a), Cell::Text(b)) => match sign {
+                (FilterValue::Text(a), FilterValue::Text(b)) => match sign {
                     Sign::Less => a < b,
                     Sign::LessOrSame => a <= b,
                     Sign::More => a > b,
@@ -115,19 +115,19 @@ impl Test {
 }
 
 impl Term {
-    fn value(&self, cell: &dyn Fn(usize) -> Cell) -> Cell {
+    fn value(&self, cell: &dyn Fn(usize) -> FilterValue) -> FilterValue {
         let number = |term: &Term| match term.value(cell) {
-            Cell::Number(x) => x,
-            Cell::Text(_) => f64::NAN,
+            FilterValue::Number(x) => x,
+            FilterValue::Text(_) => f64::NAN,
         };
         match self {
-            Term::Number(x) => Cell::Number(*x),
-            Term::Text(text) => Cell::Text(text.clone()),
+            Term::Number(x) => FilterValue::Number(*x),
+            Term::Text(text) => FilterValue::Text(text.clone()),
             Term::Column(i) => cell(*i),
-            Term::Negative(term) => Cell::Number(-number(term)),
+            Term::Negative(term) => FilterValue::Number(-number(term)),
             Term::Sum(a, sign, b) => {
                 let (a, b) = (number(a), number(b));
-                Cell::Number(match sign {
+                FilterValue::Number(match sign {
                     '+' => a + b,
                     '-' => a - b,
                     '*' => a * b,
@@ -329,11 +329,11 @@ mod tests {
     fn passes(text: &str) -> bool {
         let filter = Filter::read(text).unwrap_or_else(|why| panic!("{text}: {why}"));
         filter.passes(&|i| match filter.names()[i].as_str() {
-            "length" => Cell::Number(2.0),
-            "points" => Cell::Number(12.0),
-            "section" => Cell::Text("front".to_owned()),
-            "colour.x" => Cell::Number(0.5),
-            _ => Cell::Number(f64::NAN),
+            "length" => FilterValue::Number(2.0),
+            "points" => FilterValue::Number(12.0),
+            "section" => FilterValue::Text("front".to_owned()),
+            "colour.x" => FilterValue::Number(0.5),
+            _ => FilterValue::Number(f64::NAN),
         })
     }
 
@@ -404,7 +404,7 @@ mod tests {
                 text.push_str(parts[(seed >> 33) as usize % parts.len()]);
             }
             if let Ok(filter) = Filter::read(&text) {
-                filter.passes(&|_| Cell::Number(1.0));
+                filter.passes(&|_| FilterValue::Number(1.0));
             }
         }
     }

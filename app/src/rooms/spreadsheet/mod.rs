@@ -20,7 +20,7 @@ use crate::widgets::theme;
 use crate::words::grouped;
 use coif_nodes::data::curves::Curves;
 use egui::{ScrollArea, TextEdit, Ui};
-use order::{Answer, Orders, Wish};
+use order::{Orders, RowOrder, RowQuery};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use table::{Column, Domain, Table};
@@ -53,7 +53,7 @@ pub(crate) struct Spreadsheet {
     only_selected: bool,
     statistics: bool,
     orders: Orders,
-    answer: Option<Arc<Answer>>,
+    answer: Option<Arc<RowOrder>>,
     /// The first visible row, with its fraction.
     top: f64,
     /// The row that keys move from.
@@ -121,8 +121,8 @@ impl Spreadsheet {
     }
 
     /// What is wanted of the order of rows.
-    fn wish(&self, state: &State) -> Wish {
-        Wish {
+    fn wish(&self, state: &State) -> RowQuery {
+        RowQuery {
             sort: self.sort.clone(),
             filter: self.filter.trim().to_owned(),
             only: self.only_selected.then(|| state.selection.curves.clone()),
@@ -145,9 +145,9 @@ impl Spreadsheet {
     fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         ui.horizontal_wrapped(|ui| {
             for (domain, label, tip) in [
-                (Domain::Curve, "Curves", "One row a curve."),
-                (Domain::Point, "Points", "One row a point."),
-                (Domain::Tuft, "Tufts", "One row a tuft: curves made from one parent."),
+                (Domain::Curve, "Curves", "One row per curve."),
+                (Domain::Point, "Points", "One row per CV."),
+                (Domain::Tuft, "Tufts", "One row per tuft: curves made from one parent."),
             ] {
                 let chosen = ui.selectable_label(self.domain == domain, label).on_hover_text(tip);
                 if chosen.clicked() && self.domain != domain {
@@ -169,21 +169,20 @@ impl Spreadsheet {
                 self.top = 0.0;
             }
             edit.on_hover_text(
-                "Shows rows for which this holds. Words are columns; < <= > >= == != and, or, not, + - * / % and \
-                 brackets work.",
+                "Show only rows that match. Names are columns; < <= > >= == != and or not + - * / % and brackets work.",
             );
             let only = ui.toggle_value(&mut self.only_selected, "Selected");
-            only.on_hover_text("Shows the rows of selected curves only.");
+            only.on_hover_text("Show only rows of selected curves.");
             let jump = ui.add_enabled(!state.selection.curves.is_empty(), egui::Button::new("Go to"));
-            if jump.on_hover_text("Scrolls to the first selected curve.").clicked() {
+            if jump.on_hover_text("Scroll to the first selected curve.").clicked() {
                 self.go_to_selected(state);
             }
             ui.menu_button("Columns", |ui| panel::list(ui, |ui| self.columns_menu(ui)))
                 .response
-                .on_hover_text("Which columns are shown.");
+                .on_hover_text("Choose the columns to show.");
             ui.toggle_value(&mut self.statistics, "Statistics")
-                .on_hover_text("Lowest, highest and mean of each column, and how many are no number.");
-            if ui.button("Copy").on_hover_text("Copies selected rows (or all) as CSV.").clicked() {
+                .on_hover_text("Minimum, maximum and mean of each column, and how many values are not numbers.");
+            if ui.button("Copy").on_hover_text("Copy the selected rows, or all, as CSV.").clicked() {
                 self.copy(state, ui, out);
             }
             self.counts(ui);
@@ -222,7 +221,7 @@ impl Spreadsheet {
                 self.follow = Follow::Active;
             }
             let pin = ui.selectable_label(matches!(self.follow, Follow::Pinned(..)), "Pin these");
-            let pin = pin.on_hover_text("Keeps these numbers, whatever is displayed or changed.");
+            let pin = pin.on_hover_text("Freeze these numbers, whatever is displayed or changed.");
             if pin.clicked()
                 && let Some(table) = &self.table
             {

@@ -15,7 +15,7 @@ const AT_ONCE: usize = 20_000;
 
 /// What is wanted.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Wish {
+pub(super) struct RowQuery {
     /// By which column, and whether the highest comes first.
     pub(super) sort: Option<(String, bool)>,
     /// An expression; empty lets all pass.
@@ -28,7 +28,7 @@ pub(super) struct Wish {
 
 /// What came out.
 #[derive(Debug, Default)]
-pub(super) struct Answer {
+pub(super) struct RowOrder {
     /// The rows in order; none: all, as they are.
     pub(super) rows: Option<Vec<u32>>,
     /// By column; columns without numbers have none.
@@ -40,8 +40,8 @@ pub(super) struct Answer {
 /// The work under way.
 #[derive(Default)]
 pub(super) struct Orders {
-    asked: Option<(Weak<Table>, Wish)>,
-    running: Option<(Arc<AtomicBool>, Receiver<Answer>)>,
+    asked: Option<(Weak<Table>, RowQuery)>,
+    running: Option<(Arc<AtomicBool>, Receiver<RowOrder>)>,
 }
 
 impl Orders {
@@ -50,8 +50,8 @@ impl Orders {
         &mut self,
         ctx: &egui::Context,
         table: &Option<Arc<Table>>,
-        wish: Wish,
-    ) -> Option<Arc<Answer>> {
+        wish: RowQuery,
+    ) -> Option<Arc<RowOrder>> {
         let table = table.as_ref()?;
         let asked = self
             .asked
@@ -61,7 +61,7 @@ impl Orders {
             self.stop();
             self.asked = Some((Arc::downgrade(table), wish.clone()));
             let columns = if wish.statistics { table.columns().len() } else { 1 };
-            if table.rows() * columns <= AT_ONCE || wish == Wish::default() {
+            if table.rows() * columns <= AT_ONCE || wish == RowQuery::default() {
                 return Some(Arc::new(work(table, &wish, &|| false)));
             }
             let (stop, (send, receive)) = (Arc::new(AtomicBool::new(false)), channel());
@@ -105,8 +105,8 @@ impl Drop for Orders {
 }
 
 /// Works a wish out; whatever comes out after `stop` is thrown away.
-fn work(table: &Table, wish: &Wish, stop: &dyn Fn() -> bool) -> Answer {
-    let mut answer = Answer::default();
+fn work(table: &Table, wish: &RowQuery, stop: &dyn Fn() -> bool) -> RowOrder {
+    let mut answer = RowOrder::default();
     if !wish.filter.is_empty() {
         match Filter::read(&wish.filter).and_then(|filter| table.filtered(&filter, stop)) {
             Ok(rows) => answer.rows = rows,

@@ -5,7 +5,7 @@
 
 use super::filter::{self, Filter};
 use coif_nodes::data::attributes::{Column as Values, Domain as Of};
-use coif_nodes::data::curves::{Curves, Tuft, View};
+use coif_nodes::data::curves::{AttributeView, Curves, Tuft};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a row is.
@@ -265,8 +265,8 @@ impl Table {
                 }
                 if let Some(at) = self.locate(row) {
                     let cell = |c: usize| match bound[c].at(self, at, tuft) {
-                        Cell::Text(text) => filter::Cell::Text(text),
-                        other => filter::Cell::Number(other.number()),
+                        Cell::Text(text) => filter::FilterValue::Text(text),
+                        other => filter::FilterValue::Number(other.number()),
                     };
                     if filter.passes(&cell) {
                         rows.push(row as u32);
@@ -323,11 +323,11 @@ enum Bound<'a> {
     Empty,
     Name(&'a str),
     Own(&'a What),
-    F32(View<'a, f32>),
-    I32(View<'a, i32>),
-    U64(View<'a, u64>),
-    Vec2(View<'a, glam::Vec2>, usize),
-    Vec3(View<'a, glam::Vec3>, usize),
+    F32(AttributeView<'a, f32>),
+    I32(AttributeView<'a, i32>),
+    U64(AttributeView<'a, u64>),
+    Vec2(AttributeView<'a, glam::Vec2>, usize),
+    Vec3(AttributeView<'a, glam::Vec3>, usize),
 }
 
 impl Bound<'_> {

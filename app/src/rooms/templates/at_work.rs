@@ -1,6 +1,6 @@
 //! What threads do for the room: a template is read, a picture of one is drawn.
 
-use crate::library::Entry;
+use crate::library::LibraryEntry;
 use coif_graphs::document::{NodeId, Point};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -16,7 +16,7 @@ pub(crate) struct AtWork {
 
 /// What a template is read for.
 #[derive(Clone)]
-pub(crate) enum Purpose {
+pub(crate) enum ReadPurpose {
     /// To be added, there.
     Add(Option<Point>),
     /// To be compared with an instance.
@@ -25,8 +25,8 @@ pub(crate) enum Purpose {
 
 /// A template that is read.
 pub(crate) struct Reading {
-    pub(crate) read: Option<Result<Entry, String>>,
-    pub(crate) purpose: Purpose,
+    pub(crate) read: Option<Result<LibraryEntry, String>>,
+    pub(crate) purpose: ReadPurpose,
 }
 
 impl AtWork {

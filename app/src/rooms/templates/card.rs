@@ -1,7 +1,7 @@
 //! A template as a card: its picture with its name, to press on, to drag into the canvas.
 
-use super::pictures::{Picture, Pictures};
-use crate::core::templates::{Held, Listed, Row};
+use super::pictures::{Pictures, Thumbnail};
+use crate::core::templates::{DraggedTemplate, Listed, ShelfRow};
 use crate::widgets::theme;
 use egui::{
     Align2, Color32, Context, CursorIcon, DragAndDrop, FontId, Id, Key, LayerId, Order, Pos2, Rect,
@@ -42,7 +42,7 @@ pub(super) fn offset(line: usize, height: f32, room: f32) -> f32 {
 /// Shows one; says what was done to it.
 pub(super) fn show(
     ui: &mut Ui,
-    row: &Row,
+    row: &ShelfRow,
     (key, chosen, size): (&str, bool, Vec2),
     pictures: &mut Pictures,
 ) -> Said {
@@ -72,9 +72,9 @@ pub(super) fn show(
     };
     let under = pos2(rect.center().x, picture.bottom() + 3.0);
     match row {
-        Row::Found(it) => {
+        ShelfRow::Found(it) => {
             let text = match pictures.of(key, it, ui.ctx()) {
-                Picture::Here(texture) => {
+                Thumbnail::Here(texture) => {
                     let [w, h] = texture.size().map(|side| side as f32);
                     let fit = vec2(w, h) * (side / w.max(h));
                     let uv = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
@@ -82,9 +82,9 @@ pub(super) fn show(
                     painter.image(texture.id(), at, uv, Color32::WHITE);
                     ""
                 }
-                Picture::Later => "…",
-                Picture::None => "no picture",
-                Picture::Damaged => "⚠ damaged picture",
+                Thumbnail::Later => "…",
+                Thumbnail::None => "no picture",
+                Thumbnail::Damaged => "⚠ damaged picture",
             };
             if !text.is_empty() {
                 painter.rect_filled(square, 2.0, theme::SUNKEN);
@@ -94,7 +94,7 @@ pub(super) fn show(
             let version = format!("{} · {}", it.origin.version, place_of(it));
             words(&version, under + vec2(0.0, 16.0), 11.0, theme::QUIET);
         }
-        Row::Broken(it) => {
+        ShelfRow::Broken(it) => {
             painter.rect_filled(square, 2.0, theme::SUNKEN);
             painter.text(
                 square.center(),
@@ -115,10 +115,10 @@ pub(super) fn show(
             egui::StrokeKind::Inside,
         );
     }
-    if let Row::Found(it) = row
+    if let ShelfRow::Found(it) = row
         && response.drag_started()
     {
-        response.dnd_set_drag_payload(Held {
+        response.dnd_set_drag_payload(DraggedTemplate {
             template: it.clone(),
             picture: pictures.of(key, it, ui.ctx()).texture(),
         });
@@ -138,9 +138,9 @@ fn place_of(it: &Listed) -> &str {
     if it.path.is_none() { "coif" } else { &it.place }
 }
 
-fn tip(row: &Row) -> String {
+fn tip(row: &ShelfRow) -> String {
     match row {
-        Row::Found(it) => {
+        ShelfRow::Found(it) => {
             let tags = it.origin.tags.join(", ");
             if tags.is_empty() {
                 it.description.clone()
@@ -148,14 +148,14 @@ fn tip(row: &Row) -> String {
                 format!("{}\n{tags}", it.description)
             }
         }
-        Row::Broken(it) => it.why.clone(),
+        ShelfRow::Broken(it) => it.why.clone(),
     }
 }
 
-impl Picture<'_> {
+impl Thumbnail<'_> {
     fn texture(self) -> Option<egui::TextureHandle> {
         match self {
-            Picture::Here(texture) => Some(texture.clone()),
+            Thumbnail::Here(texture) => Some(texture.clone()),
             _ => None,
         }
     }
@@ -163,7 +163,7 @@ impl Picture<'_> {
 
 /// Draws the template in the hand at the pointer, which lies over the canvas or elsewhere; Escape lets go of it.
 pub(crate) fn carried(ctx: &Context, over: bool) {
-    let Some(held) = DragAndDrop::payload::<Held>(ctx) else { return };
+    let Some(held) = DragAndDrop::payload::<DraggedTemplate>(ctx) else { return };
     if ctx.input(|input| input.key_pressed(Key::Escape)) {
         DragAndDrop::clear_payload(ctx);
         return;

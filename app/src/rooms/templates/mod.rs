@@ -13,9 +13,9 @@ mod tests;
 pub(crate) use card::carried;
 pub(crate) use shelf::Shelf;
 
-use crate::core::event::Event as EditorEvent;
+use crate::core::event::Event;
 use crate::core::state::State;
-use crate::core::templates::{Event, Listed, Row, Which};
+use crate::core::templates::{Listed, ShelfRow, TemplateEvent, Which};
 use crate::widgets::theme;
 use crate::words::counted;
 use at_work::AtWork;
@@ -73,7 +73,7 @@ impl Templates {
     }
 
     /// Shows it.
-    pub(crate) fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<EditorEvent>) {
+    pub(crate) fn ui(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let frame = ui.ctx().cumulative_frame_nr();
         let focused = ui.input(|input| input.focused);
         let opened = self.seen.is_none_or(|seen| seen + 1 < frame);
@@ -113,17 +113,17 @@ impl Templates {
         match (self.shelf.is_new(), self.typed.trim().is_empty()) {
             (true, _) => "Reading templates…",
             (false, true) => "There are no templates.",
-            (false, false) => "No template says all of these words.",
+            (false, false) => "No template matches.",
         }
     }
 
     /// The rows that have all words that are typed: those first whose title begins with them, and of these the shortest.
-    fn shown<'a>(&self, rows: &'a [Row]) -> Vec<&'a Row> {
+    fn shown<'a>(&self, rows: &'a [ShelfRow]) -> Vec<&'a ShelfRow> {
         let words: Vec<String> =
             self.typed.to_lowercase().split_whitespace().map(str::to_owned).collect();
-        let mut shown: Vec<&Row> = rows.iter().filter(|row| row.says(&words)).collect();
+        let mut shown: Vec<&ShelfRow> = rows.iter().filter(|row| row.says(&words)).collect();
         let typed = words.join(" ");
-        let titled = |row: &&Row| row.title().to_lowercase().starts_with(&typed);
+        let titled = |row: &&ShelfRow| row.title().to_lowercase().starts_with(&typed);
         if !typed.is_empty() {
             shown.sort_by_key(|row| match titled(row) {
                 true => (false, row.title().len()),
@@ -165,10 +165,10 @@ impl Templates {
     fn keys(
         &mut self,
         ui: &Ui,
-        shown: &[&Row],
+        shown: &[&ShelfRow],
         columns: usize,
         typing: bool,
-        out: &mut Vec<EditorEvent>,
+        out: &mut Vec<Event>,
     ) {
         let key = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         let now = shown.iter().position(|row| Some(row.key()) == self.chosen);
@@ -189,13 +189,13 @@ impl Templates {
         if ui.input(|input| input.key_pressed(Key::Enter)) {
             // What is typed means the first that it finds.
             let first = now.or((typing && !self.typed.trim().is_empty()).then_some(0));
-            if let Some(Row::Found(it)) = first.map(|at| shown[at]) {
+            if let Some(ShelfRow::Found(it)) = first.map(|at| shown[at]) {
                 out.push(add(it, None));
             }
         }
     }
 
-    fn grid(&mut self, ui: &mut Ui, shown: &[&Row], columns: usize, out: &mut Vec<EditorEvent>) {
+    fn grid(&mut self, ui: &mut Ui, shown: &[&ShelfRow], columns: usize, out: &mut Vec<Event>) {
         let width = (ui.available_width() - 10.0).max(24.0);
         let size = card::size(width, columns);
         let lines = shown.len().div_ceil(columns);
@@ -220,7 +220,7 @@ impl Templates {
                             Said::Chosen => self.chosen = Some(key),
                             Said::Added => {
                                 self.chosen = Some(key);
-                                if let Row::Found(it) = row {
+                                if let ShelfRow::Found(it) = row {
                                     out.push(add(it, None));
                                 }
                             }
@@ -232,7 +232,7 @@ impl Templates {
     }
 
     /// What is said of the chosen one, and what can be done with it.
-    fn details(&mut self, ui: &mut Ui, chosen: Option<&Row>, out: &mut Vec<EditorEvent>) {
+    fn details(&mut self, ui: &mut Ui, chosen: Option<&ShelfRow>, out: &mut Vec<Event>) {
         let area = ScrollArea::vertical().auto_shrink(false).min_scrolled_height(16.0);
         area.show(ui, |ui| match chosen {
             None => {
@@ -240,32 +240,32 @@ impl Templates {
                 let text = "Drag a template among the nodes, or press Enter to add it.";
                 ui.label(RichText::new(text).color(theme::QUIET));
             }
-            Some(Row::Broken(it)) => {
+            Some(ShelfRow::Broken(it)) => {
                 ui.add_space(2.0);
                 ui.label(RichText::new(format!("⚠ {}", it.path.display())).color(theme::WARNING));
                 ui.label(format!("In {}: no template that can be added: {}.", it.place, it.why));
             }
-            Some(Row::Found(it)) => self.of_template(ui, it, out),
+            Some(ShelfRow::Found(it)) => self.of_template(ui, it, out),
         });
     }
 
-    fn of_template(&mut self, ui: &mut Ui, it: &Arc<Listed>, out: &mut Vec<EditorEvent>) {
+    fn of_template(&mut self, ui: &mut Ui, it: &Arc<Listed>, out: &mut Vec<Event>) {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
-            let tip = "Adds it in the middle of the nodes in sight (Enter)";
+            let tip = "Add it in the middle of the canvas (Enter)";
             if ui.button("Add").on_hover_text(tip).clicked() {
                 out.push(add(it, None));
             }
             let own = it.path.clone().filter(|_| !self.at_work.is_busy());
-            let tip = "Draws the template small and keeps the picture in its file";
+            let tip = "Render a thumbnail and store it in the template's file";
             let none = if it.path.is_none() {
-                "It comes with coif, picture and all"
+                "It comes with coif and has its picture"
             } else {
-                "One is being drawn"
+                "A thumbnail is being rendered"
             };
             let button = ui.add_enabled(own.is_some(), egui::Button::new("Make thumbnail"));
             if button.on_hover_text(tip).on_disabled_hover_text(none).clicked() {
-                out.extend(own.map(|path| EditorEvent::Templates(Event::Thumbnail(path))));
+                out.extend(own.map(|path| Event::Templates(TemplateEvent::Thumbnail(path))));
             }
             if self.at_work.is_busy() {
                 ui.spinner();
@@ -293,13 +293,13 @@ impl Templates {
         let by = format!(
             "by {}, {}",
             some(&origin.author, "nobody named"),
-            some(&origin.licence, "no licence named")
+            some(&origin.licence, "licence not stated")
         );
-        let source = some(&origin.source, "Nothing is said of where the style comes from.");
+        let source = some(&origin.source, "Origin of the style not stated.");
         line(ui, by.clone(), &format!("{by}\n{source}"));
     }
 }
 
-fn add(it: &Arc<Listed>, at: Option<Point>) -> EditorEvent {
-    EditorEvent::Templates(Event::Add { template: Which(it.clone()), at })
+fn add(it: &Arc<Listed>, at: Option<Point>) -> Event {
+    Event::Templates(TemplateEvent::Add { template: Which(it.clone()), at })
 }

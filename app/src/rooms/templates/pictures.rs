@@ -30,7 +30,7 @@ pub(crate) struct Pictures {
 }
 
 /// What there is to show.
-pub(crate) enum Picture<'a> {
+pub(crate) enum Thumbnail<'a> {
     /// It.
     Here(&'a TextureHandle),
     /// It comes in a later frame.
@@ -54,13 +54,13 @@ impl Pictures {
     }
 
     /// The picture of a template, known under a key.
-    pub(crate) fn of(&mut self, key: &str, listed: &Arc<Listed>, ctx: &Context) -> Picture<'_> {
-        let Some(thumbnail) = &listed.thumbnail else { return Picture::None };
+    pub(crate) fn of(&mut self, key: &str, listed: &Arc<Listed>, ctx: &Context) -> Thumbnail<'_> {
+        let Some(thumbnail) = &listed.thumbnail else { return Thumbnail::None };
         let is_known = self.kept.get(key).is_some_and(|kept| Arc::ptr_eq(&kept.of, listed));
         if !is_known {
             if self.decoded == PER_FRAME {
                 ctx.request_repaint();
-                return Picture::Later;
+                return Thumbnail::Later;
             }
             self.decoded += 1;
             self.total += 1;
@@ -70,9 +70,9 @@ impl Pictures {
             let of = listed.clone();
             self.kept.insert(key.to_owned(), Kept { of, texture, seen: self.frame });
         }
-        let Some(kept) = self.kept.get_mut(key) else { return Picture::None };
+        let Some(kept) = self.kept.get_mut(key) else { return Thumbnail::None };
         kept.seen = self.frame;
-        kept.texture.as_ref().map_or(Picture::Damaged, Picture::Here)
+        kept.texture.as_ref().map_or(Thumbnail::Damaged, Thumbnail::Here)
     }
 
     /// How many are kept.

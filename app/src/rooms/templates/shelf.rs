@@ -3,8 +3,8 @@
 //! Guarantees: the window waits for no file; a file whose time and size are as they were is not read again; what is no template is listed
 //! with its reason; documents are not kept, but what is said of them and their small pictures.
 
-use crate::core::templates::{Broken, Listed, Row};
-use crate::library::{self, Entry};
+use crate::core::templates::{Broken, Listed, ShelfRow};
+use crate::library::{self, LibraryEntry};
 use coif_graphs::document::Origin;
 use coif_graphs::{grooms, template};
 use std::collections::BTreeMap;
@@ -18,8 +18,8 @@ type Stamp = (Option<SystemTime>, u64);
 /// What was read, by file.
 #[derive(Default)]
 struct Known {
-    shipped: Vec<Row>,
-    files: BTreeMap<PathBuf, (Stamp, Row)>,
+    shipped: Vec<ShelfRow>,
+    files: BTreeMap<PathBuf, (Stamp, ShelfRow)>,
 }
 
 /// The shelf: what is on it, and a thread that looks where somebody asked for it.
@@ -30,7 +30,7 @@ pub(crate) struct Shelf {
 
 #[derive(Default)]
 struct Shared {
-    rows: Arc<Vec<Row>>,
+    rows: Arc<Vec<ShelfRow>>,
     known: Known,
     is_looking: bool,
     /// Somebody asked again meanwhile.
@@ -46,7 +46,7 @@ impl Shelf {
     }
 
     /// What was found when it was looked last.
-    pub(crate) fn rows(&self) -> Arc<Vec<Row>> {
+    pub(crate) fn rows(&self) -> Arc<Vec<ShelfRow>> {
         self.lock().rows.clone()
     }
 
@@ -116,7 +116,7 @@ impl Shelf {
 }
 
 /// What comes with coif.
-fn shipped() -> Vec<Row> {
+fn shipped() -> Vec<ShelfRow> {
     let row = |(name, text): &(&str, &str)| {
         row(library::shipped(text), Path::new(name), "comes with coif")
     };
@@ -124,20 +124,20 @@ fn shipped() -> Vec<Row> {
 }
 
 /// By title, the newest version first; what is broken stands at the end.
-fn sort(rows: &mut [Row]) {
+fn sort(rows: &mut [ShelfRow]) {
     rows.sort_by(|a, b| match (a, b) {
-        (Row::Found(a), Row::Found(b)) => {
+        (ShelfRow::Found(a), ShelfRow::Found(b)) => {
             let title = a.title.to_lowercase().cmp(&b.title.to_lowercase());
             title.then_with(|| library::by_version(&b.origin.version, &a.origin.version))
         }
-        (Row::Broken(a), Row::Broken(b)) => a.path.cmp(&b.path),
-        (Row::Found(_), Row::Broken(_)) => std::cmp::Ordering::Less,
-        (Row::Broken(_), Row::Found(_)) => std::cmp::Ordering::Greater,
+        (ShelfRow::Broken(a), ShelfRow::Broken(b)) => a.path.cmp(&b.path),
+        (ShelfRow::Found(_), ShelfRow::Broken(_)) => std::cmp::Ordering::Less,
+        (ShelfRow::Broken(_), ShelfRow::Found(_)) => std::cmp::Ordering::Greater,
     });
 }
 
 /// All rows, and how many files were read for them.
-fn looked(folders: &[(String, PathBuf)], known: &mut Known) -> (Vec<Row>, usize) {
+fn looked(folders: &[(String, PathBuf)], known: &mut Known) -> (Vec<ShelfRow>, usize) {
     let (mut rows, mut reads) = (known.shipped.clone(), 0);
     let mut files = BTreeMap::new();
     for (place, folder) in folders {
@@ -161,10 +161,10 @@ fn looked(folders: &[(String, PathBuf)], known: &mut Known) -> (Vec<Row>, usize)
 }
 
 /// Of one name and version the first counts: another is told with what stands before it.
-fn hidden(before: &[Row], row: Row) -> Row {
-    let Row::Found(new) = &row else { return row };
+fn hidden(before: &[ShelfRow], row: ShelfRow) -> ShelfRow {
+    let ShelfRow::Found(new) = &row else { return row };
     let same = before.iter().find_map(|row| match row {
-        Row::Found(it)
+        ShelfRow::Found(it)
             if it.origin.name == new.origin.name && it.origin.version == new.origin.version =>
         {
             Some(it)
@@ -179,15 +179,15 @@ fn hidden(before: &[Row], row: Row) -> Row {
     Broken::row(path, &new.place, why)
 }
 
-fn row(read: Result<Entry, String>, path: &Path, place: &str) -> Row {
+fn row(read: Result<LibraryEntry, String>, path: &Path, place: &str) -> ShelfRow {
     match read {
-        Ok(entry) => Row::Found(listed(entry, place).into()),
+        Ok(entry) => ShelfRow::Found(listed(entry, place).into()),
         Err(why) => Broken::row(path, place, why),
     }
 }
 
-fn listed(entry: Entry, place: &str) -> Listed {
-    let Entry { origin, title, description, hash, path, document } = entry;
+fn listed(entry: LibraryEntry, place: &str) -> Listed {
+    let LibraryEntry { origin, title, description, hash, path, document } = entry;
     let group = template::group_of(&document).ok();
     let def = group.and_then(|group| document.def(group));
     let wired =

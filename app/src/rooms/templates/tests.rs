@@ -1,8 +1,8 @@
 //! The shelf in a folder, and the room under a pointer and keys.
 
 use super::pictures::{MOST, PER_FRAME};
-use super::{Row, Shelf};
-use crate::core::event::Event as EditorEvent;
+use super::{Shelf, ShelfRow};
+use crate::core::event::Event;
 use crate::core::room::Room;
 use crate::core::state::Select;
 use crate::editor::tests::{Hands, groom};
@@ -84,8 +84,8 @@ fn what_is_broken_is_listed_with_its_reason_and_hides_nothing() {
     let mut broken: Vec<(String, String)> = rows
         .iter()
         .filter_map(|row| match row {
-            Row::Broken(it) => Some((row.title().to_owned(), it.why.clone())),
-            Row::Found(_) => None,
+            ShelfRow::Broken(it) => Some((row.title().to_owned(), it.why.clone())),
+            ShelfRow::Found(_) => None,
         })
         .collect();
     broken.sort();
@@ -115,9 +115,9 @@ fn a_file_is_read_once_until_it_changes() {
     assert_eq!(hands.editor().templates.shelf.reads(), 3);
     let pictures = hands.editor().templates.pictures.total;
     let again = |hands: &mut Hands| {
-        hands.editor().apply(EditorEvent::Show(Room::Inspector));
+        hands.editor().apply(Event::Show(Room::Inspector));
         hands.steps(3);
-        hands.editor().apply(EditorEvent::Show(Room::Templates));
+        hands.editor().apply(Event::Show(Room::Templates));
         hands.read();
     };
     again(hands);
@@ -191,7 +191,7 @@ fn letters_find_by_all_that_is_said_and_enter_adds_in_one_step() {
     let document = &hands.editor().state.document;
     let heads = document.nodes.values().filter(|node| node.is_head()).count();
     assert_eq!(heads, 1, "the head at hand");
-    hands.editor().apply(EditorEvent::Undo);
+    hands.editor().apply(Event::Undo);
     assert_eq!(hands.editor().state.document, before);
     // By arrows, without the field.
     hands.editor().templates.typed.clear();
@@ -261,9 +261,9 @@ fn a_template_of_a_file_is_added_when_it_is_read() {
     }
     assert_eq!(hands.added().as_deref(), Some("t00"));
     // A file that went meanwhile is said.
-    hands.editor().apply(EditorEvent::Undo);
+    hands.editor().apply(Event::Undo);
     std::fs::remove_file(folder.path("t00.ron")).unwrap();
-    let Some(Row::Found(gone)) = hands
+    let Some(ShelfRow::Found(gone)) = hands
         .editor()
         .templates
         .shelf
@@ -290,7 +290,7 @@ fn a_shelf_of_nothing_is_what_comes_with_coif() {
         std::thread::sleep(Duration::from_millis(2));
     }
     assert_eq!(shelf.rows().len(), grooms::TEMPLATES.len());
-    assert!(shelf.rows().iter().all(|row| matches!(row, Row::Found(_))));
+    assert!(shelf.rows().iter().all(|row| matches!(row, ShelfRow::Found(_))));
 }
 
 /// A groom with an instance of a style of version 1.0, on which two values are set, and version 2.0 of it: one port is called otherwise
@@ -298,7 +298,7 @@ fn a_shelf_of_nothing_is_what_comes_with_coif() {
 fn old_and_new() -> (Document, String) {
     let old = file::read(&text("style", |_| {})).unwrap().document;
     let mut document = groom("start");
-    let place = template::Place::default();
+    let place = template::Placement::default();
     let added = template::add(&document, &old, place).unwrap();
     added.edit.apply(&mut document).unwrap();
     for (input, value) in
@@ -332,8 +332,8 @@ fn an_upgrade_is_told_before_it_is_done_and_is_one_step() {
     let shelf = vec![("a show".to_owned(), folder.root().to_owned())];
     let hands = &mut Hands::with_templates(document.clone(), shelf);
     let (id, _) = template::instances(&document).next().unwrap();
-    hands.editor().apply(EditorEvent::Select(Select::Nodes(vec![id.clone()])));
-    hands.editor().apply(EditorEvent::Show(Room::Inspector));
+    hands.editor().apply(Event::Select(Select::Nodes(vec![id.clone()])));
+    hands.editor().apply(Event::Show(Room::Inspector));
     hands.steps(4);
     assert!(hands.shows("⬆ Version 2.0 is in the library"));
     assert!(!hands.shows("Upgrade"), "not before it is told what it does");
@@ -358,7 +358,7 @@ fn an_upgrade_is_told_before_it_is_done_and_is_one_step() {
     assert_eq!(version(hands), ("2.0".to_owned(), true));
     assert_eq!(hands.editor().state.history.done(), 1);
     assert!(!hands.shows("Show what changes"), "it is of the newest");
-    hands.editor().apply(EditorEvent::Undo);
+    hands.editor().apply(Event::Undo);
     hands.steps(2);
     assert_eq!(hands.editor().state.document, document);
     // Kept for good: no newer one is told of, until it may be upgraded again.
@@ -376,8 +376,8 @@ fn what_is_offered_follows_the_document_and_a_template_that_lacks_loses_nothing(
     let shelf = vec![("a show".to_owned(), folder.root().to_owned())];
     let hands = &mut Hands::with_templates(document.clone(), shelf);
     let (id, _) = template::instances(&document).next().unwrap();
-    hands.editor().apply(EditorEvent::Select(Select::Nodes(vec![id.clone()])));
-    hands.editor().apply(EditorEvent::Show(Room::Inspector));
+    hands.editor().apply(Event::Select(Select::Nodes(vec![id.clone()])));
+    hands.editor().apply(Event::Show(Room::Inspector));
     hands.steps(4);
     assert!(hands.shows("Its template is not in your library; the graph holds all of it."));
     assert_eq!(hands.editor().state.document, document);
@@ -392,12 +392,12 @@ fn what_is_offered_follows_the_document_and_a_template_that_lacks_loses_nothing(
         std::thread::sleep(Duration::from_millis(2));
         hands.steps(1);
     }
-    let told = hands.editor().state.offer.as_ref().unwrap().told.len();
+    let told = hands.editor().state.offer.as_ref().unwrap().overrides.len();
     let unset = Edit::UnsetInput { node: id.clone(), input: "diameter".to_owned() };
-    hands.editor().apply(EditorEvent::Edit(unset));
+    hands.editor().apply(Event::Edit(unset));
     hands.steps(2);
-    assert_eq!(hands.editor().state.offer.as_ref().unwrap().told.len(), told - 1);
-    hands.editor().apply(EditorEvent::Edit(Edit::RemoveNode { id: id.clone() }));
+    assert_eq!(hands.editor().state.offer.as_ref().unwrap().overrides.len(), told - 1);
+    hands.editor().apply(Event::Edit(Edit::RemoveNode { id: id.clone() }));
     hands.steps(2);
     assert!(hands.editor().state.offer.is_none());
 }

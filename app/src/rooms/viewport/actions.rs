@@ -59,7 +59,7 @@ macro_rules! view {
         Action {
             id: $id,
             label: $label,
-            tip: "Looks at the head from here, with all hair in the picture; close-ups look at this place.",
+            tip: "Look at the head from here, with all hair in view; close-ups frame this place.",
             words: "camera view look from",
             menu: "View",
             when: something_shown,
@@ -90,7 +90,7 @@ macro_rules! key_step {
         Action {
             id: $id,
             label: $label,
-            tip: "Moves the eye a little.",
+            tip: "Nudge the camera.",
             words: "orbit pan zoom keyboard view",
             menu: "",
             when: always,
@@ -104,7 +104,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.frame_selected",
         label: "Frame selected",
-        tip: "Fills the picture with the selected curves, else with what the active node gives.",
+        tip: "Frame the selected curves, or else the output of the active node.",
         words: "focus zoom fit look at",
         menu: "View",
         when: something_shown,
@@ -113,7 +113,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.frame_head",
         label: "Frame the head",
-        tip: "Fills the picture with skull and face.",
+        tip: "Frame skull and face.",
         words: "focus zoom fit look at skull",
         menu: "View",
         when: a_head,
@@ -122,7 +122,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.frame_all",
         label: "Frame all",
-        tip: "Fills the picture with everything.",
+        tip: "Frame everything.",
         words: "focus zoom fit home",
         menu: "View",
         when: something_shown,
@@ -130,20 +130,22 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     },
     Action {
         id: "view.back",
-        label: "View before",
-        tip: "Looks from where the eye rested before. No undo step.",
+        label: "Previous view",
+        tip: "Go back to the previous view. Not an undo step.",
         words: "previous camera back",
         menu: "View",
-        when: |viewport, _| if viewport.ways().0 { Ok(()) } else { Err("there is none before") },
+        when: |viewport, _| {
+            if viewport.ways().0 { Ok(()) } else { Err("there is no previous view") }
+        },
         run: |viewport, _, _| viewport.go(false),
     },
     Action {
         id: "view.forward",
-        label: "View after",
-        tip: "Goes forward again through the views.",
+        label: "Next view",
+        tip: "Go forward to the next view.",
         words: "next camera forward",
         menu: "View",
-        when: |viewport, _| if viewport.ways().1 { Ok(()) } else { Err("there is none after") },
+        when: |viewport, _| if viewport.ways().1 { Ok(()) } else { Err("there is no next view") },
         run: |viewport, _, _| viewport.go(true),
     },
     view!("view.from_front", "front", "From the front"),
@@ -160,8 +162,8 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     view!("view.from_temple_right", "temple-right", "Close to the right temple"),
     Action {
         id: "view.orthographic",
-        label: "Parallel rays",
-        tip: "With perspective, or without: what is looked at keeps its size.",
+        label: "Orthographic",
+        tip: "Switch between perspective and orthographic; the subject keeps its size.",
         words: "orthographic perspective flat isometric",
         menu: "View",
         when: always,
@@ -174,7 +176,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.longer_lens",
         label: "Longer lens",
-        tip: "A longer focal length from farther away; what is looked at keeps its size.",
+        tip: "Longer focal length from farther away; the subject keeps its size.",
         words: "focal length zoom lens telephoto",
         menu: "View",
         when: |viewport, _| lens(viewport, 1.25),
@@ -183,7 +185,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.shorter_lens",
         label: "Shorter lens",
-        tip: "A shorter focal length from nearer; what is looked at keeps its size.",
+        tip: "Shorter focal length from nearer; the subject keeps its size.",
         words: "focal length wide angle lens",
         menu: "View",
         when: |viewport, _| lens(viewport, 0.8),
@@ -192,7 +194,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.groom",
         label: "Groom display",
-        tip: "Plain colours with the same shadows whatever the pigment, and back to what was shown.",
+        tip: "Show plain colours, shaded alike for every pigment. Again: the previous display mode.",
         words: "grey clay colours show hair",
         menu: "View",
         when: always,
@@ -201,7 +203,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.next_show",
         label: "Next colours",
-        tip: "Shows the next of hair, groom colours, guides, clusters and heat maps.",
+        tip: "Cycle through hair, groom colours, guides, clusters and heat maps.",
         words: "cycle display mode heat map",
         menu: "View",
         when: always,
@@ -214,7 +216,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.brighter",
         label: "Brighter",
-        tip: "Half a stop more exposure.",
+        tip: "Raise exposure by half a stop.",
         words: "exposure light gain",
         menu: "View",
         when: always,
@@ -223,7 +225,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.darker",
         label: "Darker",
-        tip: "Half a stop less exposure.",
+        tip: "Lower exposure by half a stop.",
         words: "exposure light gain",
         menu: "View",
         when: always,
@@ -232,42 +234,42 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     toggle!(
         "view.head",
         "Show or hide the head",
-        "Shows the head, or only hair.",
+        "Show or hide the head under the hair.",
         "skin scalp bust",
         head
     ),
     toggle!(
         "view.guides",
         "Guides over the picture",
-        "The curves that hair follows, as lines.",
+        "Show the curves that hair follows, as lines.",
         "overlay curves",
         guides
     ),
     toggle!(
         "view.partings",
         "Partings over the picture",
-        "Lines on the skin between hair of different braids or curves.",
+        "Lines on the skin between hair of different braids or guides.",
         "overlay sections",
         partings
     ),
     toggle!(
         "view.roots",
         "Roots over the picture",
-        "A dot where each hair grows.",
+        "A dot at each root.",
         "overlay follicles",
         roots
     ),
     toggle!(
         "view.handles",
         "Handles over the picture",
-        "What of the active node can be dragged in the viewport.",
+        "Show the active node's handles in the viewport.",
         "gizmo manipulator",
         handles
     ),
     Action {
         id: "view.isolate",
         label: "Isolate",
-        tip: "Only the selected curves are shown; again shows all. The result stays as it is.",
+        tip: "Show only the selected curves; again: show all. The output stays as it is.",
         words: "solo alone local view",
         menu: "View",
         when: |viewport, state| match state.visibility.alone.is_empty() {
@@ -285,7 +287,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.hide",
         label: "Hide",
-        tip: "The selected curves are not shown. The result stays as it is.",
+        tip: "Hide the selected curves. The output stays as it is.",
         words: "invisible eye",
         menu: "View",
         when: curves_selected,
@@ -299,7 +301,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.show_all",
         label: "Show all",
-        tip: "Nothing is hidden or alone any more.",
+        tip: "Show all hair again.",
         words: "unhide reveal visible",
         menu: "View",
         when: |_, state| match state.visibility.shows_all() {
@@ -314,7 +316,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.lock",
         label: "Lock",
-        tip: "The pen does not touch the selected curves; again unlocks them.",
+        tip: "Lock the selected curves against the pen; again: unlock them.",
         words: "protect freeze",
         menu: "View",
         when: curves_selected,
@@ -333,8 +335,8 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     },
     Action {
         id: "view.select_kin",
-        label: "Select with its kin",
-        tip: "Selects all hair of the braids, or of the curves, that the selected hair belongs to.",
+        label: "Select related hair",
+        tip: "Select all hair of the same braids or parent curves.",
         words: "grow selection braid cluster similar",
         menu: "View",
         when: curves_selected,
@@ -353,7 +355,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.select_node",
         label: "Go to its node",
-        tip: "Shows the node that made the hair that was clicked last.",
+        tip: "Show the node that made the hair clicked last.",
         words: "maker source canvas find reveal",
         menu: "View",
         when: |viewport, state| match state.active() {
@@ -368,8 +370,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.what_made",
         label: "What made this hair",
-        tip: "Finds the nodes, strokes and gestures without which the hair would be another, by switching them off one after the other; \
-              the messages list them.",
+        tip: "List the nodes, strokes and gestures that this hair depends on, found by switching parts off.",
         words: "trace provenance where from why source stroke gesture origin debug",
         menu: "View",
         when: |viewport, state| {
@@ -383,7 +384,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.reveal",
         label: "Show in the outliner",
-        tip: "Scrolls the outliner to the braid or cluster that the selected hair belongs to.",
+        tip: "Scroll the outliner to the braid or cluster of the selected hair.",
         words: "reveal find tree list braid",
         menu: "View",
         when: curves_selected,
@@ -395,7 +396,7 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
     Action {
         id: "view.select_head",
         label: "Select the head's node",
-        tip: "Selects the node that gives the head, for the inspector.",
+        tip: "Select the head's node for the inspector.",
         words: "scalp bust mesh",
         menu: "View",
         when: a_head,

@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 
 /// A scene and how it is to be drawn. Cheap to clone.
 #[derive(Clone, Debug)]
-pub struct Wanted {
+pub struct DrawRequest {
     /// The document's state that it shows.
     pub revision: u64,
     /// All hair that is displayed.
@@ -61,7 +61,7 @@ pub struct Wanted {
     pub moving: bool,
 }
 
-impl Wanted {
+impl DrawRequest {
     /// Whether two have the same heads.
     pub(super) fn same_scalps(&self, other: &Self) -> bool {
         let both = self.scalps.iter().zip(&other.scalps);
@@ -110,7 +110,7 @@ pub struct Drawn {
     /// Its pixels, opaque.
     pub image: Arc<ColorImage>,
     /// What it is a picture of.
-    pub wanted: Wanted,
+    pub wanted: DrawRequest,
     /// Samples in it.
     pub samples: u32,
     /// Samples that it is to have at rest.
@@ -153,7 +153,7 @@ impl Ends {
 
 /// A question what lies under the pointer.
 #[derive(Clone, Copy, Debug)]
-pub struct Pick {
+pub struct PickQuery {
     /// To know the answer by.
     pub number: u64,
     /// Where in the picture: 0 to 1 from the left and from the top.
@@ -166,7 +166,7 @@ pub struct Pick {
 
 /// What lies there.
 #[derive(Clone, Debug)]
-pub struct Picked {
+pub struct PickResult {
     /// The question's number.
     pub number: u64,
     /// Hair that is seen there, or nearly there.
@@ -175,7 +175,7 @@ pub struct Picked {
     pub skin: Option<Hit>,
 }
 
-impl Picked {
+impl PickResult {
     /// The place that is seen, cm.
     pub fn place(&self) -> Option<Vec3> {
         self.hair.as_ref().map(|hair| hair.place).or(self.skin.map(|hit| hit.point))
@@ -204,10 +204,10 @@ impl HairHit {
 
 #[derive(Default)]
 struct Desk {
-    next: Option<Wanted>,
-    pick: Option<Pick>,
+    next: Option<DrawRequest>,
+    pick: Option<PickQuery>,
     drawn: Option<Drawn>,
-    picked: Option<Picked>,
+    picked: Option<PickResult>,
     fault: Option<String>,
     adapter: Option<String>,
     /// Whether the scene that was asked for last is drawn as far as it is to be.
@@ -230,7 +230,7 @@ impl Shared {
 /// The thread, and the desk over which scenes and pictures pass.
 pub struct Drawing {
     shared: Arc<Shared>,
-    asked: Option<Wanted>,
+    asked: Option<DrawRequest>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -262,7 +262,7 @@ impl Drawing {
     }
 
     /// Asks for a scene instead of what was asked before; nothing happens when it is the same.
-    pub fn ask(&mut self, wanted: Wanted) {
+    pub fn ask(&mut self, wanted: DrawRequest) {
         if self.asked.as_ref().is_some_and(|asked| asked.same(&wanted)) {
             return;
         }
@@ -275,7 +275,7 @@ impl Drawing {
     }
 
     /// Asks what lies at a place, instead of what was asked before.
-    pub fn pick(&self, pick: Pick) {
+    pub fn pick(&self, pick: PickQuery) {
         self.shared.desk().pick = Some(pick);
         self.shared.work.notify_one();
     }
@@ -286,7 +286,7 @@ impl Drawing {
     }
 
     /// The newest answer since the last call.
-    pub fn picked(&self) -> Option<Picked> {
+    pub fn picked(&self) -> Option<PickResult> {
         self.shared.desk().picked.take()
     }
 

@@ -138,8 +138,7 @@ fn banner(viewport: &Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<E
                 let name = state.called(node);
                 ui.colored_label(theme::ERROR, format!("✖ {name} failed and passes its input on"));
                 ui.label(RichText::new(what).small());
-                let go =
-                    ui.button("Go to").on_hover_text(format!("Selects {name} among the nodes."));
+                let go = ui.button("Go to").on_hover_text(format!("Select {name} on the canvas."));
                 if go.clicked()
                     && let Ok(id) = NodeId::new(node)
                 {
@@ -158,16 +157,16 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     ui.visuals_mut().widgets.inactive.weak_bg_fill = SHADE;
     let show = label_of(&options.show).to_owned();
     let menu = panel::menu_button(ui, format!("{show} ⏷"), |ui| shows(options, state, ui));
-    menu.on_hover_text("What is shown: hair as it is, the groom in plain colours, or any number of it as a heat map.");
+    menu.on_hover_text("Display mode: shaded hair, groom colours, or any attribute as a heat map.");
     let menu = panel::menu_button(ui, "Look ⏷".to_owned(), |ui| looks(options, ui));
-    menu.on_hover_text("Lights, exposure, skin, and how hair is drawn.");
+    menu.on_hover_text("Lights, exposure, skin and hair shading.");
     let menu = panel::menu_button(ui, "Over it ⏷".to_owned(), |ui| over(options, ui));
-    menu.on_hover_text("What is drawn over the picture.");
+    menu.on_hover_text("Overlays on the picture.");
     let menu = panel::menu_button(ui, "From ⏷".to_owned(), |ui| views(viewport, state, ui, out));
-    menu.on_hover_text("Where it is seen from.");
+    menu.on_hover_text("Camera and saved views.");
     if let Some((text, colour)) = &viewport.whose {
         let button = egui::Button::new(RichText::new(text).color(*colour)).truncate();
-        let tip = "Shows the other's hair with the same camera, or yours again (F8).";
+        let tip = "Switch between the other groom's hair and yours, with the same camera (F8).";
         if ui.add(button).on_hover_text(tip).clicked() {
             out.push(Event::Act("compare.flip"));
         }
@@ -176,15 +175,14 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
 
 pub(super) fn over(options: &mut Options, ui: &mut egui::Ui) {
     ui.checkbox(&mut options.guides, "Guides")
-        .on_hover_text("The curves that hair follows, as lines over the picture.");
+        .on_hover_text("The curves that hair follows, as lines.");
     ui.checkbox(&mut options.partings, "Partings")
-        .on_hover_text("Lines on the skin between hair of different braids or curves.");
-    ui.checkbox(&mut options.roots, "Roots").on_hover_text("A dot where each hair grows.");
-    ui.checkbox(&mut options.handles, "Handles")
-        .on_hover_text("What of the active node can be dragged here.");
-    ui.checkbox(&mut options.head, "Head").on_hover_text("The head under the hair.");
+        .on_hover_text("Lines on the skin between hair of different braids or guides.");
+    ui.checkbox(&mut options.roots, "Roots").on_hover_text("A dot at each root.");
+    ui.checkbox(&mut options.handles, "Handles").on_hover_text("Handles of the active node.");
+    ui.checkbox(&mut options.head, "Head").on_hover_text("Show the head under the hair.");
     ui.checkbox(&mut options.card, "Card of the hair under the pointer")
-        .on_hover_text("Its attributes, when the pointer rests on it.");
+        .on_hover_text("Show the attributes of the hair under the pointer.");
 }
 
 pub(super) fn views(
@@ -201,11 +199,11 @@ pub(super) fn views(
     }
     ui.separator();
     for (action, label, tip) in [
-        ("view.frame_all", "Frame all", "Fills the picture with everything."),
-        ("view.frame_selected", "Frame selected", "Fills the picture with what is selected."),
-        ("view.orthographic", "Parallel rays", "With perspective, or without."),
-        ("view.back", "View before", "Back to where the eye rested before."),
-        ("view.forward", "View after", "Forward again."),
+        ("view.frame_all", "Frame all", "Frame everything."),
+        ("view.frame_selected", "Frame selected", "Frame the selection."),
+        ("view.orthographic", "Orthographic", "Switch between perspective and orthographic."),
+        ("view.back", "Previous view", "Go back to the previous view."),
+        ("view.forward", "Next view", "Go forward to the next view."),
     ] {
         if ui.button(label).on_hover_text(tip).clicked() {
             out.push(Event::Act(action));
@@ -215,18 +213,18 @@ pub(super) fn views(
     let mut focal = viewport.camera.focal_mm;
     let (low, high) = navigation::FOCALS;
     let lens = Slider::new(&mut focal, low..=high).logarithmic(true).suffix(" mm").text("Lens");
-    let tip = "Focal length over a film 24 mm high; what is looked at keeps its size.";
+    let tip = "Focal length for a film 24 mm high; the subject keeps its size.";
     if ui.add(lens).on_hover_text(tip).changed() {
         viewport.camera = navigation::with_focal(&viewport.camera, focal);
     }
     ui.separator();
     for (name, saved) in &state.document.views {
         ui.horizontal(|ui| {
-            if ui.button(name).on_hover_text("Looks from this saved view.").clicked() {
+            if ui.button(name).on_hover_text("Look from this saved view.").clicked() {
                 viewport.look(camera_of(saved));
                 ui.close();
             }
-            if ui.button("✖").on_hover_text(format!("Forgets the view {name}.")).clicked() {
+            if ui.button("✖").on_hover_text(format!("Delete the view {name}.")).clicked() {
                 out.push(Event::Edit(Edit::SetView { name: name.clone(), view: None }));
             }
         });
@@ -235,9 +233,9 @@ pub(super) fn views(
         let name = &mut viewport.view_name;
         let field =
             egui::TextEdit::singleline(name).desired_width(110.0).hint_text("name of this view");
-        ui.add(field).on_hover_text("coif render --camera takes this name.");
+        ui.add(field).on_hover_text("Name of the view, also for coif render --camera.");
         let save = ui.add_enabled(!name.trim().is_empty(), egui::Button::new("Save view"));
-        let tip = "Keeps this view in the groom under a name; another of that name is replaced.";
+        let tip = "Save this view in the groom under a name, replacing one of that name.";
         if save.on_hover_text(tip).clicked() {
             let name = name.trim().to_owned();
             viewport.view_name.clear();
@@ -318,7 +316,7 @@ pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
     let models = Model::ALL.map(Model::name);
     choice(ui, "Model", "How hair scatters light.", &mut options.model, &models);
     let transforms = Transform::ALL.map(Transform::name);
-    let tip = "How light is made into what the display is sent.";
+    let tip = "Tone mapping: from scene light to display colours.";
     choice(ui, "Display", tip, &mut options.transform, &transforms);
     ui.add(
         Slider::new(&mut options.exposure, EXPOSURES.0..=EXPOSURES.1)
@@ -326,16 +324,14 @@ pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
             .suffix(" stops")
             .step_by(0.25),
     )
-    .on_hover_text("Brighter or darker than the lights' own exposure.");
+    .on_hover_text("Exposure relative to the lights' own, in stops.");
     skins(options, ui);
     ui.add(Slider::new(&mut options.scalp_tint, 0.0..=1.0).text("Root tint"))
-        .on_hover_text("How strongly roots darken the skin.");
+        .on_hover_text("How much roots darken the skin.");
     ui.add(Slider::new(&mut options.opacity, 0.0..=1.0).text("Opacity"))
-        .on_hover_text("See through hair: 1 is hair, 0.1 shows roots and skin.");
+        .on_hover_text("Opacity of hair: 1 is opaque, 0.1 shows roots and skin.");
     ui.add(Slider::new(&mut options.share, 0.01..=1.0).text("Share").logarithmic(true))
-        .on_hover_text(
-            "Share of the strands that is drawn; the others' widths are added to theirs.",
-        );
+        .on_hover_text("Fraction of strands drawn; the rest are made up for by width.");
 }
 
 /// Skin of the head: that of its file, or a tone.
@@ -354,7 +350,7 @@ fn skins(options: &mut Options, ui: &mut egui::Ui) {
         }
     })
     .on_hover_text(
-        "Skin of the head: the colours and normal maps of its own file, 1 (lightest) to 10 on the Monk scale, or clay.",
+        "Skin: the file's own colours and normal maps, 1 (lightest) to 10 on the Monk scale, or clay.",
     );
 }
 

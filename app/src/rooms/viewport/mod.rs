@@ -38,7 +38,7 @@ use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
 use coif_shaders::camera::PORTRAIT_FOCAL;
 use coif_shaders::{Camera, Look};
-use drawing::{Drawing, Drawn, HairHit, Picked, Wanted};
+use drawing::{DrawRequest, Drawing, Drawn, HairHit, PickResult};
 use egui::{PointerButton, Pos2, Rect, Sense, TextureHandle, TextureOptions, Vec2};
 use glam::Vec3;
 use handles::Handles;
@@ -148,7 +148,7 @@ struct Question {
 struct Under {
     at: Pos2,
     camera: Camera,
-    picked: Picked,
+    picked: PickResult,
 }
 
 struct Clicked {
@@ -267,7 +267,7 @@ impl Viewport {
     }
 
     /// What lies under the pointer, where that is known.
-    pub fn under_pointer(&self) -> Option<&Picked> {
+    pub fn under_pointer(&self) -> Option<&PickResult> {
         self.under.as_ref().map(|under| &under.picked)
     }
 
@@ -338,7 +338,7 @@ impl Viewport {
         let moving = state.drags_hair() || self.drag.is_some() || self.moves_until.is_some();
         let through = if self.pen.skin { SEE_THROUGH } else { 1.0 };
         let look = self.options.look();
-        let wanted = Wanted {
+        let wanted = DrawRequest {
             revision: shown.revision,
             hair: shown.curves.clone(),
             // Lines over the picture are none of the picture.

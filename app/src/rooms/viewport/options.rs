@@ -1,6 +1,6 @@
 //! How the groom is looked at: colours, lights, what is laid over it. Never part of a groom.
 
-use crate::jobs::render::Request;
+use crate::jobs::render::RenderRequest;
 use crate::scene::{Show, Skin};
 use coif_graphs::document::SavedLook;
 use coif_shaders::surface::Tone;
@@ -84,11 +84,11 @@ impl Options {
         self.show.parse().unwrap_or(Show::Hair(View::Hair))
     }
     /// The same as a picture that is asked for.
-    pub(crate) fn picture(&self) -> Request {
+    pub(crate) fn picture(&self) -> RenderRequest {
         let (show, view) = self.show_and_name();
         let mut rig = Rig::named(self.rig()).unwrap_or_default();
         rig.exposure += self.exposure;
-        Request {
+        RenderRequest {
             show,
             view,
             rig,
@@ -97,7 +97,7 @@ impl Options {
             look: Look { scalp_tint: Look::default().scalp_tint, ..self.look() },
             skin: self.skin(),
             head: self.head,
-            ..Request::default()
+            ..RenderRequest::default()
         }
     }
     /// What is shown, and what it is called.

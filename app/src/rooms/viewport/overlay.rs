@@ -13,7 +13,7 @@ use coif_nodes::data::attributes::{BRAID, PARENT};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::maths::hash::Key;
-use coif_nodes::maths::nearest::Nearest;
+use coif_nodes::maths::nearest::KdTree;
 use coif_shaders::Sphere;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::{Vec2, Vec3};
@@ -238,7 +238,7 @@ fn partings(scalp: &Scalp, rooted: &[(Vec3, u64)]) -> Vec<[Vec3; 2]> {
     /// Into so many parts each side of a triangle is cut.
     const CUTS: usize = 5;
     let surface = scalp.surface();
-    let tree = Nearest::new(rooted.iter().map(|(p, _)| *p));
+    let tree = KdTree::new(rooted.iter().map(|(p, _)| *p));
     let mut found = vec![];
     let mut owner_at = |p: Vec3| -> Option<u64> {
         tree.find(p, 1, &mut found);

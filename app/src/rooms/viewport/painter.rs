@@ -4,7 +4,7 @@
 //! with the same settings, to within one step of 255. Rough pictures have fewer pixels, lighter light and, on software
 //! adapters, a share of very much hair.
 
-use super::drawing::{Drawn, Ends, HairHit, Pick, Picked, Wanted};
+use super::drawing::{DrawRequest, Drawn, Ends, HairHit, PickQuery, PickResult};
 use super::select::visible;
 use crate::scene::looks::Kept;
 use crate::scene::{Dressed, Show, Skin, heads};
@@ -38,7 +38,7 @@ const REACH: u32 = 4;
 pub(super) struct Painter {
     renderer: Renderer,
     /// What the renderer was last given; nothing at first.
-    given: Option<Wanted>,
+    given: Option<DrawRequest>,
     look: Option<Look>,
     heads: Vec<Solid>,
     /// The looks that heads bring along.
@@ -66,7 +66,7 @@ pub(super) struct Painter {
 }
 
 impl Painter {
-    pub(super) fn new(gpu: Arc<Gpu>, wanted: &Wanted) -> Result<Self, RenderError> {
+    pub(super) fn new(gpu: Arc<Gpu>, wanted: &DrawRequest) -> Result<Self, RenderError> {
         let software = gpu.is_software();
         let mut renderer = Renderer::new(gpu, wanted.size[0].max(1), wanted.size[1].max(1))?;
         renderer.warm_up(&wanted.look, wanted.shading());
@@ -97,10 +97,10 @@ impl Painter {
     ///
     /// # Errors
     /// When the adapter has no room for such a picture.
-    pub(super) fn begin(&mut self, wanted: &Wanted) -> Result<(), RenderError> {
+    pub(super) fn begin(&mut self, wanted: &DrawRequest) -> Result<(), RenderError> {
         self.began = Instant::now();
         let old = self.given.take();
-        let changed = |differs: fn(&Wanted, &Wanted) -> bool| {
+        let changed = |differs: fn(&DrawRequest, &DrawRequest) -> bool| {
             old.as_ref().is_none_or(|old| differs(old, wanted))
         };
         if changed(|a, b| a.rig != b.rig) {
@@ -134,7 +134,7 @@ impl Painter {
     }
 
     /// Gives the renderer hair, and solids where they changed.
-    fn dress(&mut self, wanted: &Wanted, new_heads: bool, new_show: bool) {
+    fn dress(&mut self, wanted: &DrawRequest, new_heads: bool, new_show: bool) {
         let hair = visible(&wanted.hair, &wanted.visibility);
         let scalp = wanted.scalps.first().map(|s| &**s);
         let follows = !matches!(wanted.show, Show::Hair(_));
@@ -284,8 +284,8 @@ impl Painter {
     }
 
     /// What lies under a place of the picture, once there is one.
-    pub(super) fn pick(&mut self, pick: &Pick) -> Picked {
-        let mut picked = Picked { number: pick.number, hair: None, skin: None };
+    pub(super) fn pick(&mut self, pick: &PickQuery) -> PickResult {
+        let mut picked = PickResult { number: pick.number, hair: None, skin: None };
         let Some(wanted) = &self.given else { return picked };
         let skin = wanted
             .scalps

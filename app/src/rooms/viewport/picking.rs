@@ -2,7 +2,7 @@
 //!
 //! A click selects a curve and the node that made it; the same again selects more of its kin.
 
-use super::drawing::{Drawing, HairHit, Pick};
+use super::drawing::{Drawing, HairHit, PickQuery};
 use super::select::{self, Level};
 use super::{Clicked, NEAR, Purpose, Question, Under, Viewport, hud};
 use crate::core::event::Event;
@@ -21,7 +21,7 @@ impl Viewport {
         let view = Projection::new(camera, self.rect);
         let part = (at - self.rect.min) / self.rect.size();
         self.questions += 1;
-        drawing.pick(Pick {
+        drawing.pick(PickQuery {
             number: self.questions,
             at: [part.x, part.y],
             ray: view.ray(at),

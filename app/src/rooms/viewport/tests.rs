@@ -1,6 +1,6 @@
 //! The room from outside: the drawing thread on a small groom, and what hands find on the picture.
 
-use super::drawing::{Drawing, Drawn, Pick, Wanted};
+use super::drawing::{DrawRequest, Drawing, Drawn, PickQuery};
 use super::navigation::orbit;
 use super::*;
 use crate::core::projection::Projection;
@@ -16,7 +16,7 @@ use coif_shaders::{Gpu, Look, Precision, Renderer, Rig, Transform};
 use std::time::Duration;
 
 /// A ball of 6 cm under a few hundred hairs.
-fn wanted() -> Wanted {
+fn wanted() -> DrawRequest {
     let dice = Dice::new(7, 1, "room");
     let mut tuft = TuftBuilder::new();
     for k in 0..300 {
@@ -26,7 +26,7 @@ fn wanted() -> Wanted {
     }
     tuft.set(ID, Domain::Curve, (1..=300).collect());
     tuft.set(WIDTH, Domain::Curve, vec![0.1]);
-    Wanted {
+    DrawRequest {
         revision: 1,
         hair: Curves::new(vec![Arc::new(tuft.build())]),
         followed: Curves::default(),
@@ -131,7 +131,7 @@ fn samples_rise_to_the_picture_that_the_command_line_makes() {
     // Asking for the same again draws nothing; asking for more samples goes on.
     drawing.ask(wanted.clone());
     assert!(pictures(&drawing).is_empty());
-    drawing.ask(Wanted { samples: 8, ..wanted });
+    drawing.ask(DrawRequest { samples: 8, ..wanted });
     let more: Vec<u32> = pictures(&drawing).iter().map(|d| d.samples).collect();
     assert_eq!(more, [8]);
 }
@@ -139,7 +139,7 @@ fn samples_rise_to_the_picture_that_the_command_line_makes() {
 #[test]
 fn the_newest_scene_wins_and_what_was_ended_is_never_shown() {
     let Some(mut drawing) = drawing("the_newest_scene_wins") else { return };
-    let first = Wanted { samples: 512, ..wanted() };
+    let first = DrawRequest { samples: 512, ..wanted() };
     drawing.ask(first.clone());
     let began = Instant::now();
     // The first scene is being refined, which takes long.
@@ -148,7 +148,7 @@ fn the_newest_scene_wins_and_what_was_ended_is_never_shown() {
     }
     let turned = |k: u32| {
         let camera = orbit(&first.camera, Vec3::ZERO, Vec3::Y, 10.0 * k as f32, 0.0);
-        Wanted { revision: 1 + u64::from(k), camera, samples: 2, ..first.clone() }
+        DrawRequest { revision: 1 + u64::from(k), camera, samples: 2, ..first.clone() }
     };
     (1..=9).for_each(|k| drawing.ask(turned(k)));
     let asked = Instant::now();
@@ -172,7 +172,7 @@ fn while_something_moves_pictures_come_and_rest_follows() {
     let mut seen = vec![];
     for k in 0..40 {
         let camera = orbit(&still.camera, Vec3::ZERO, Vec3::Y, k as f32, 0.0);
-        drawing.ask(Wanted { camera, moving: true, ..still.clone() });
+        drawing.ask(DrawRequest { camera, moving: true, ..still.clone() });
         std::thread::sleep(Duration::from_millis(16));
         seen.extend(drawing.take());
     }
@@ -199,7 +199,7 @@ fn what_lies_under_the_pointer_is_hair_or_skin_or_nothing() {
         let number = (at.x * 1e3 + at.y) as u64 + 1;
         let part = at.to_vec2() / rect.size();
         let ray = view.ray(at);
-        drawing.pick(Pick { number, at: [part.x, part.y], ray, camera: wanted.camera });
+        drawing.pick(PickQuery { number, at: [part.x, part.y], ray, camera: wanted.camera });
         let began = Instant::now();
         loop {
             if let Some(picked) = drawing.picked().filter(|picked| picked.number == number) {

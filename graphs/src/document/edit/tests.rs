@@ -106,7 +106,7 @@ fn a_removed_node_comes_back_with_wires_in_order_place_display_and_comments() {
     Edit::Move { id: id("y"), to: Some(Point(1.0, 2.0)) }.apply(&mut document).unwrap();
     Edit::SetDisplay(Some(id("y"))).apply(&mut document).unwrap();
     set("y", "count", 9i64).apply(&mut document).unwrap();
-    for place in [Place::Input(id("y"), "count".into()), Place::Link(socket("y.curves"))] {
+    for place in [FileEntry::Input(id("y"), "count".into()), FileEntry::Link(socket("y.curves"))] {
         let lines = vec!["// why".to_owned()];
         Edit::SetComment { place, lines }.apply(&mut document).unwrap();
     }
@@ -169,7 +169,7 @@ fn what_cannot_run_is_refused_with_the_reason() {
     check(half, "a.count: takes a whole number, not a number");
     let lines = vec!["no slashes".to_owned()];
     check(
-        Edit::SetComment { place: Place::Top, lines },
+        Edit::SetComment { place: FileEntry::Top, lines },
         "comments are single lines that begin with // and stand before an entry of the document",
     );
 }

@@ -3,12 +3,12 @@
 use super::super::testing::Random;
 use super::*;
 use crate::values::grid::{gestures_on_grid, point_of, point_steps};
-use coif_nodes::data::gestures::{Layer, Tool, View};
+use coif_nodes::data::gestures::{GestureView, Layer, Tool};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 fn comb(samples: Vec<PenSample>) -> Gesture {
-    let view = View {
+    let view = GestureView {
         eye: Vec3::Z * 60.0,
         target: Vec3::ZERO,
         up: Vec3::Y,

@@ -6,7 +6,7 @@
 //! need no step: inputs have old names and nodes have versions.
 
 use super::scan::scan;
-use crate::document::Place;
+use crate::document::FileEntry;
 use crate::text::in_words;
 use crate::text::tokens::trimmed;
 use crate::text::values::quoted;
@@ -18,12 +18,12 @@ use std::fmt;
 mod tests;
 
 /// One format to the next. The error says what of the file cannot be carried over.
-pub(super) type Step = fn(&mut Raw) -> Result<(), String>;
+pub(super) type FormatUpgrade = fn(&mut Raw) -> Result<(), String>;
 
 /// The first format whose files are read, then a step for each later one.
 ///
 /// None yet: format 1 is read as it is, for format 2 only puts more ways to say things beside its own.
-pub(super) const STEPS: (u32, &[Step]) = (super::OLDEST, &[]);
+pub(super) const STEPS: (u32, &[FormatUpgrade]) = (super::OLDEST, &[]);
 
 /// A struct or a map whose values are RON text.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -116,7 +116,7 @@ impl Raw {
 pub(super) fn format_of(text: &str) -> Option<(u32, usize)> {
     let mut raw = Raw::read(text).ok()?;
     let format = raw.get_mut("format")?.parse().ok()?;
-    let at = scan(text).values.get(&Place::Field("format".to_owned())).copied();
+    let at = scan(text).values.get(&FileEntry::Field("format".to_owned())).copied();
     Some((format, at.unwrap_or_default()))
 }
 
@@ -124,7 +124,7 @@ pub(super) fn format_of(text: &str) -> Option<(u32, usize)> {
 pub(super) fn upgrade(
     text: &str,
     format: u32,
-    (first, steps): (u32, &[Step]),
+    (first, steps): (u32, &[FormatUpgrade]),
 ) -> Result<String, String> {
     let Some(skip) = format.checked_sub(first) else {
         return Err(format!("the file has format {format}, the oldest that is read is {first}"));

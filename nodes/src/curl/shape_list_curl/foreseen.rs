@@ -3,7 +3,7 @@
 //! Guarantees: no fewer points are made, except for hair that is dropped or kept straight beside a parting. Not
 //! promised: a tight bound. Turns are assumed as large as possible, with as few points each as possible.
 
-use super::{Inputs, Keep, Numbers, Pattern};
+use super::{Inputs, Keep, Pattern, PresetValues};
 use crate::data::attributes::FIBRE;
 use crate::define::NodeError;
 use crate::eval::Size;
@@ -17,7 +17,7 @@ const PLACES: usize = 8;
 
 pub(super) fn foreseen(
     inputs: &Inputs,
-    numbers: &Numbers,
+    numbers: &PresetValues,
     pattern: &Pattern,
 ) -> Result<Size, NodeError> {
     let most = (pattern.most() as f32 * USED).floor();

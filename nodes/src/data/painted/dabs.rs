@@ -8,7 +8,7 @@ use crate::error::NodeError;
 use glam::Vec3;
 
 /// The segment between two samples of a stroke.
-pub(super) struct Piece {
+pub(super) struct DabSegment {
     pub(super) ends: [Dab; 2],
     /// Distance up to which it acts, cm.
     pub(super) reach: f32,
@@ -21,7 +21,7 @@ pub(super) struct Piece {
     per_square: Vec3,
 }
 
-impl Piece {
+impl DabSegment {
     pub(super) fn new(ends: [Dab; 2], reach: f32, layer: u32, half: u8) -> Self {
         let along = ends[1].point - ends[0].point;
         let square = along.length_squared();
@@ -48,7 +48,7 @@ fn between(a: Vec3, b: Vec3, p: Vec3) -> (f32, f32) {
 
 /// A grid over the segments in space.
 pub(super) struct Dabs {
-    pieces: Vec<Piece>,
+    pieces: Vec<DabSegment>,
     low: Vec3,
     side: f32,
     size: [usize; 3],
@@ -67,7 +67,7 @@ const MOST_LISTED: f64 = 16e6;
 impl Dabs {
     /// `bounds` are those of the skin, which contain all queried points.
     pub(super) fn new(
-        pieces: Vec<Piece>,
+        pieces: Vec<DabSegment>,
         (low, high): (Vec3, Vec3),
         check: &dyn Fn() -> Result<(), NodeError>,
     ) -> Result<Self, NodeError> {
@@ -88,7 +88,7 @@ impl Dabs {
         loop {
             dabs.size =
                 ((highest - lowest) / dabs.side).to_array().map(|x| x.max(0.0) as usize + 1);
-            let cells = |piece: &Piece| {
+            let cells = |piece: &DabSegment| {
                 let [a, b] = piece.ends.map(|dab| dab.point);
                 let steps = f64::from((a.distance(b) / dabs.side).ceil() + 1.0);
                 let across = f64::from(2.0 * piece.reach / dabs.side + 2.0);
@@ -179,12 +179,12 @@ impl Dabs {
     }
 
     #[inline]
-    pub(super) fn piece(&self, number: u32) -> &Piece {
+    pub(super) fn piece(&self, number: u32) -> &DabSegment {
         &self.pieces[number as usize]
     }
 
     /// The segments of a stroke.
-    pub(super) fn of(&self, layer: u32) -> &[Piece] {
+    pub(super) fn of(&self, layer: u32) -> &[DabSegment] {
         let from = self.pieces.partition_point(|piece| piece.layer < layer);
         let to = self.pieces.partition_point(|piece| piece.layer <= layer);
         &self.pieces[from..to]

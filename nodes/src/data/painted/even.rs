@@ -14,7 +14,7 @@ use glam::Vec3;
 
 /// Means on a grid, as far as a stroke reaches.
 #[derive(Default)]
-pub struct Even {
+pub struct GridMeans {
     low: Vec3,
     side: f32,
     /// By grid position, sorted.
@@ -30,7 +30,7 @@ const LONGEST: f64 = 6_000.0;
 /// Corners farther from the skin than this many cells belong to no cell with skin in it.
 const OFF: f32 = 1.7321;
 
-impl Even {
+impl GridMeans {
     /// What stroke `layer` blends the mask toward.
     pub(super) fn new(
         painted: &Painted,

@@ -14,7 +14,7 @@
 //! [`Piece::bend`]: crate::eval::Piece::bend
 
 use super::attributes::ALLOW_DEPTH;
-use super::curves::{Tuft, TuftBuilder, View};
+use super::curves::{AttributeView, Tuft, TuftBuilder};
 use super::patience::Patience;
 use super::scalp::Scalp;
 use super::skin::Skin;
@@ -167,7 +167,7 @@ impl<'a> Route<'a> {
 pub(crate) struct Moved<'a> {
     route: &'a Route<'a>,
     tuft: &'a Tuft,
-    depth: View<'a, f32>,
+    depth: AttributeView<'a, f32>,
     patience: Patience,
     /// For so many hairs there is patience.
     asked: usize,

@@ -5,9 +5,10 @@
 
 use super::super::FormatError;
 use super::super::usd::groom::{
-    CurveSet, Interpolation, Primvar, PrimvarValues, Purpose, Shape, Stage, Widths, unique,
+    CheckedCurves, CurveSet, GroomStage, Interpolation, Primvar, PrimvarValues, Purpose, Widths,
+    unique,
 };
-use super::ogawa::{self, Kind, Object, Pod, Property, Values, metadata};
+use super::ogawa::{self, Object, Pod, Property, PropertyKind, Values, metadata};
 use crate::data::scalp::Scalp;
 use glam::Vec3;
 use std::io::{Seek, Write};
@@ -21,7 +22,7 @@ const GROOM_VERSION: [i16; 2] = [1, 5];
 /// # Errors
 /// The output failed, or a curve set contradicts itself: see [`super::super::usd::groom::write_usdc`].
 pub fn write(
-    stage: &Stage,
+    stage: &GroomStage,
     heads: &[Arc<Scalp>],
     out: &mut (impl Write + Seek),
 ) -> Result<(), FormatError> {
@@ -34,7 +35,7 @@ pub fn write(
             properties: vec![Property {
                 name: ".geom".into(),
                 metadata: metadata(&[("schema", schema), ("schemaBaseType", GEOMETRY)]),
-                kind: Kind::Compound(properties),
+                kind: PropertyKind::Compound(properties),
             }],
             children: vec![],
         };
@@ -89,14 +90,14 @@ fn xform<'a>(name: String, user: Vec<Property<'a>>, children: Vec<Object<'a>>) -
         properties: vec![Property {
             name: ".xform".into(),
             metadata: metadata(&[("schema", SCHEMA)]),
-            kind: Kind::Compound(properties),
+            kind: PropertyKind::Compound(properties),
         }],
         children,
     }
 }
 
 fn curves<'a>(set: &'a CurveSet<'a>) -> Result<Vec<Property<'a>>, FormatError> {
-    let shape = Shape::of(set)?;
+    let shape = CheckedCurves::of(set)?;
     const CUBIC: u8 = 0;
     const NOT_PERIODIC: u8 = 0;
     const CATMULL_ROM: u8 = 3;
@@ -211,7 +212,7 @@ fn bounds<'p>(points: impl Iterator<Item = &'p Vec3>) -> Property<'static> {
 }
 
 fn positions(values: Values<'_>) -> Property<'_> {
-    let kind = Kind::Array(Pod::F32, 3, values);
+    let kind = PropertyKind::Array(Pod::F32, 3, values);
     Property { name: "P".into(), metadata: "geoScope=vtx;interpretation=point".into(), kind }
 }
 
@@ -221,21 +222,25 @@ fn scalar<T: bytemuck::NoUninit>(
     pod: Pod,
     values: &[T],
 ) -> Property<'static> {
-    let kind = Kind::Scalar(pod, values.len() as u8, Values::of(values, 1));
+    let kind = PropertyKind::Scalar(pod, values.len() as u8, Values::of(values, 1));
     Property { name: name.into(), metadata: metadata.into(), kind }
 }
 
 fn text(name: &str, text: &str) -> Property<'static> {
-    let kind = Kind::Scalar(Pod::Text, 1, Values::texts(&[text.replace('\0', "_")]));
+    let kind = PropertyKind::Scalar(Pod::Text, 1, Values::texts(&[text.replace('\0', "_")]));
     Property { name: name.into(), metadata: String::new(), kind }
 }
 
 fn array<'a>(name: &str, metadata: &str, pod: Pod, values: Values<'a>) -> Property<'a> {
-    Property { name: name.into(), metadata: metadata.into(), kind: Kind::Array(pod, 1, values) }
+    Property {
+        name: name.into(),
+        metadata: metadata.into(),
+        kind: PropertyKind::Array(pod, 1, values),
+    }
 }
 
 fn compound<'a>(name: &str, inner: Vec<Property<'a>>) -> Property<'a> {
-    Property { name: name.into(), metadata: String::new(), kind: Kind::Compound(inner) }
+    Property { name: name.into(), metadata: String::new(), kind: PropertyKind::Compound(inner) }
 }
 
 /// Values with a scope, as Alembic's typed readers ask for them.
@@ -255,7 +260,7 @@ fn param<'a>(
         ("interpretation", interpretation),
         ("geoScope", scope),
     ]);
-    Property { name: name.into(), metadata, kind: Kind::Array(pod, extent, values) }
+    Property { name: name.into(), metadata, kind: PropertyKind::Array(pod, extent, values) }
 }
 
 /// The name without what paths and metadata are made of.

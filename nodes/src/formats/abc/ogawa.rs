@@ -147,10 +147,10 @@ impl<'a> Values<'a> {
 pub(super) struct Property<'a> {
     pub(super) name: String,
     pub(super) metadata: String,
-    pub(super) kind: Kind<'a>,
+    pub(super) kind: PropertyKind<'a>,
 }
 
-pub(super) enum Kind<'a> {
+pub(super) enum PropertyKind<'a> {
     Compound(Vec<Property<'a>>),
     /// One item, read as a scalar.
     Scalar(Pod, u8, Values<'a>),
@@ -280,12 +280,12 @@ impl<W: Write> Archive<W> {
             hash.update(property.name.as_bytes());
             hash.update(property.metadata.as_bytes());
             let (place, key) = match &property.kind {
-                Kind::Compound(inner) => self.compound(inner)?,
-                Kind::Scalar(_, _, values) => {
+                PropertyKind::Compound(inner) => self.compound(inner)?,
+                PropertyKind::Scalar(_, _, values) => {
                     let (place, key) = self.sample(values)?;
                     (self.group(&[place])?, key)
                 }
-                Kind::Array(pod, _, values) => {
+                PropertyKind::Array(pod, _, values) => {
                     let (place, key) = self.sample(values)?;
                     // How many texts there are is told by no length.
                     let dimensions = match pod {
@@ -370,12 +370,12 @@ impl Property<'_> {
             _ => (2, 4),
         };
         let (ty, pod, extent) = match &self.kind {
-            Kind::Compound(_) => (0, None, 0),
-            Kind::Scalar(pod, extent, _) => (SCALAR, Some(*pod), *extent),
-            Kind::Array(pod, extent, values) if values.items == 1 => {
+            PropertyKind::Compound(_) => (0, None, 0),
+            PropertyKind::Scalar(pod, extent, _) => (SCALAR, Some(*pod), *extent),
+            PropertyKind::Array(pod, extent, values) if values.items == 1 => {
                 (ARRAY | SCALAR_LIKE, Some(*pod), *extent)
             }
-            Kind::Array(pod, extent, _) => (ARRAY, Some(*pod), *extent),
+            PropertyKind::Array(pod, extent, _) => (ARRAY, Some(*pod), *extent),
         };
         let mut info = ty | hint << 2 | u32::from(metadata) << 20;
         if let Some(pod) = pod {

@@ -10,7 +10,7 @@
 
 use super::super::FormatError;
 use super::super::usd::form::{FARTHEST, Form, is_position};
-use super::super::usd::read::budget::Budget;
+use super::super::usd::read::budget::ReadBudget;
 use super::super::usd::read::{
     ReadCurves, ReadPrimvar, ReadValues, ReadWidths, negative_widths, width_scale, wrong_width,
 };
@@ -35,7 +35,7 @@ pub struct Archive<'a> {
 
 /// A node of the tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Object<'a> {
+pub struct AbcObject<'a> {
     /// Its name; empty at the top.
     pub name: &'a str,
     /// `key=value` joined by `;`.
@@ -45,20 +45,20 @@ pub struct Object<'a> {
 
 /// A named value of an object, or a compound of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Property<'a> {
+pub struct AbcProperty<'a> {
     /// Its name.
     pub name: &'a str,
     /// `key=value` joined by `;`.
     pub metadata: &'a str,
     /// What it holds.
-    pub kind: Kind<'a>,
+    pub kind: AbcPropertyKind<'a>,
 }
 
 /// What a property holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind<'a> {
+pub enum AbcPropertyKind<'a> {
     /// More properties: see [`Archive::properties`].
-    Compound(Place),
+    Compound(CompoundOffset),
     /// Values.
     Values {
         /// How many samples in time there are.
@@ -76,7 +76,7 @@ pub enum Kind<'a> {
 
 /// Where the properties of a compound lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place(u64);
+pub struct CompoundOffset(u64);
 
 /// The value of a key in metadata.
 pub fn entry<'m>(metadata: &'m str, key: &str) -> Option<&'m str> {
@@ -120,9 +120,9 @@ impl<'a> Archive<'a> {
     ///
     /// # Errors
     /// The root is damaged.
-    pub fn top(&self) -> Result<Object<'a>, FormatError> {
+    pub fn top(&self) -> Result<AbcObject<'a>, FormatError> {
         let group = self.group(self.root)?.place(2);
-        Ok(Object { name: "", metadata: "", group })
+        Ok(AbcObject { name: "", metadata: "", group })
     }
 
     /// What an object holds: the place of its properties, and its children.
@@ -131,11 +131,11 @@ impl<'a> Archive<'a> {
     /// It is damaged.
     pub fn open_object(
         &self,
-        object: &Object<'a>,
-    ) -> Result<(Place, Vec<Object<'a>>), FormatError> {
+        object: &AbcObject<'a>,
+    ) -> Result<(CompoundOffset, Vec<AbcObject<'a>>), FormatError> {
         let group = self.group(object.group)?;
         if group.len() == 0 {
-            return Ok((Place(0), vec![]));
+            return Ok((CompoundOffset(0), vec![]));
         }
         let mut headers = Cursor { bytes: self.data(group.place(group.len() - 1))?, at: 0 };
         // Behind the headers of children lie 32 bytes of hashes.
@@ -151,9 +151,10 @@ impl<'a> Archive<'a> {
             if at + 1 >= group.len() {
                 return Err(damaged(object.group, "an object names more children than it has"));
             }
-            children.push(Object { name, metadata, group: group.place(at) });
+            children.push(AbcObject { name, metadata, group: group.place(at) });
         }
-        let properties = if group.len() > 1 { Place(group.place(0)) } else { Place(0) };
+        let properties =
+            if group.len() > 1 { CompoundOffset(group.place(0)) } else { CompoundOffset(0) };
         Ok((properties, children))
     }
 
@@ -161,7 +162,7 @@ impl<'a> Archive<'a> {
     ///
     /// # Errors
     /// They are damaged.
-    pub fn properties(&self, place: Place) -> Result<Vec<Property<'a>>, FormatError> {
+    pub fn properties(&self, place: CompoundOffset) -> Result<Vec<AbcProperty<'a>>, FormatError> {
         let group = self.group(place.0)?;
         if group.len() == 0 {
             return Ok(vec![]);
@@ -179,7 +180,7 @@ impl<'a> Archive<'a> {
         Ok(properties)
     }
 
-    fn property(&self, at: u64, headers: &mut Cursor<'a>) -> Result<Property<'a>, FormatError> {
+    fn property(&self, at: u64, headers: &mut Cursor<'a>) -> Result<AbcProperty<'a>, FormatError> {
         let info = headers.number(4)? as u32;
         let width = 1 << (info >> 2 & 3).min(2);
         let number = (info >> 20) as u8;
@@ -193,19 +194,23 @@ impl<'a> Archive<'a> {
         let name = headers.text(width)?;
         let metadata = self.metadata(number, width, headers)?;
         if is_compound {
-            return Ok(Property { name, metadata, kind: Kind::Compound(Place(at)) });
+            return Ok(AbcProperty {
+                name,
+                metadata,
+                kind: AbcPropertyKind::Compound(CompoundOffset(at)),
+            });
         }
         let group = self.group(at)?;
         let sample =
             if samples == 0 || group.len() == 0 { &[][..] } else { self.data(group.place(0))? };
-        let kind = Kind::Values {
+        let kind = AbcPropertyKind::Values {
             samples,
             pod: (info >> 4 & 15) as u8,
             extent: (info >> 12) as u8,
             is_scalar: info & 3 == 1,
             bytes: sample.get(16..).unwrap_or(&[]),
         };
-        Ok(Property { name, metadata, kind })
+        Ok(AbcProperty { name, metadata, kind })
     }
 
     fn metadata(
@@ -316,7 +321,7 @@ impl<'a> Cursor<'a> {
 /// Damaged bytes, and curves that contradict themselves, with their path.
 pub fn read_curves(bytes: &[u8]) -> Result<Vec<ReadCurves>, FormatError> {
     let archive = Archive::open(bytes)?;
-    let mut budget = Budget::of(FIXED + PER_BYTE * bytes.len() as u64);
+    let mut budget = ReadBudget::of(FIXED + PER_BYTE * bytes.len() as u64);
     let mut found = vec![];
     let mut open = vec![(archive.top()?, String::new(), DMat4::IDENTITY, false)];
     while let Some((object, path, world, moves)) = open.pop() {
@@ -324,8 +329,8 @@ pub fn read_curves(bytes: &[u8]) -> Result<Vec<ReadCurves>, FormatError> {
         let schema = entry(object.metadata, "schema").unwrap_or("");
         let properties = archive.properties(place)?;
         let inner = |name: &str| match properties.iter().find(|p| p.name == name)?.kind {
-            Kind::Compound(place) => Some(archive.properties(place)),
-            Kind::Values { .. } => None,
+            AbcPropertyKind::Compound(place) => Some(archive.properties(place)),
+            AbcPropertyKind::Values { .. } => None,
         };
         let (mut below, mut moves_below) = (world, moves);
         if schema.starts_with("AbcGeom_Xform_") {
@@ -351,24 +356,24 @@ pub fn read_curves(bytes: &[u8]) -> Result<Vec<ReadCurves>, FormatError> {
     Ok(found)
 }
 
-fn values<'a>(properties: &[Property<'a>], name: &str) -> Option<(u8, u8, &'a [u8])> {
+fn values<'a>(properties: &[AbcProperty<'a>], name: &str) -> Option<(u8, u8, &'a [u8])> {
     match properties.iter().find(|property| property.name == name)?.kind {
-        Kind::Values { pod, extent, bytes, .. } => Some((pod, extent, bytes)),
-        Kind::Compound(_) => None,
+        AbcPropertyKind::Values { pod, extent, bytes, .. } => Some((pod, extent, bytes)),
+        AbcPropertyKind::Compound(_) => None,
     }
 }
 
 /// The most samples that one of the properties has.
-fn samples(properties: &[Property]) -> u64 {
-    let of = |property: &Property| match property.kind {
-        Kind::Values { samples, .. } => samples,
-        Kind::Compound(_) => 0,
+fn samples(properties: &[AbcProperty]) -> u64 {
+    let of = |property: &AbcProperty| match property.kind {
+        AbcPropertyKind::Values { samples, .. } => samples,
+        AbcPropertyKind::Compound(_) => 0,
     };
     properties.iter().map(of).max().unwrap_or(0)
 }
 
 /// The transform of what lies below an Xform.
-fn transform(xform: &[Property], world: DMat4) -> Result<DMat4, String> {
+fn transform(xform: &[AbcProperty], world: DMat4) -> Result<DMat4, String> {
     let inherits = values(xform, ".inherits").is_none_or(|(_, _, bytes)| bytes != [0]);
     let mut matrix = if inherits { world } else { DMat4::IDENTITY };
     let Some((1, _, ops)) = values(xform, ".ops") else { return Ok(matrix) };
@@ -429,7 +434,7 @@ fn form_of(curve_type: &str, wrap: &str, basis: &str) -> Result<Form, String> {
 struct CurvesObject<'a> {
     archive: &'a Archive<'a>,
     path: &'a str,
-    geom: Vec<Property<'a>>,
+    geom: Vec<AbcProperty<'a>>,
     world: DMat4,
 }
 
@@ -438,7 +443,7 @@ impl CurvesObject<'_> {
         FormatError::at(format!("{}.{name}", self.path), reason)
     }
 
-    fn curves(&self, budget: &mut Budget) -> Result<Option<ReadCurves>, FormatError> {
+    fn curves(&self, budget: &mut ReadBudget) -> Result<Option<ReadCurves>, FormatError> {
         let points = match values(&self.geom, "P") {
             None | Some((.., [])) => return Ok(None),
             Some((10, 3, bytes)) => bytes,
@@ -516,7 +521,7 @@ impl CurvesObject<'_> {
         }
         let mut primvars = vec![];
         let arb = self.geom.iter().find(|property| property.name == ".arbGeomParams");
-        if let Some(Property { kind: Kind::Compound(place), .. }) = arb {
+        if let Some(AbcProperty { kind: AbcPropertyKind::Compound(place), .. }) = arb {
             for property in self.archive.properties(*place)? {
                 match self.param(&property, shape, budget)? {
                     Ok(primvar) => budget.push(&mut primvars, primvar)?,
@@ -549,13 +554,13 @@ impl CurvesObject<'_> {
     /// A GeomParam, indices resolved; or why it is left out. `shape`: 1, and how many curves and points there are.
     fn param(
         &self,
-        property: &Property,
+        property: &AbcProperty,
         shape: [usize; 3],
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Result<ReadPrimvar, String>, FormatError> {
         let (held, indices) = match property.kind {
-            Kind::Values { .. } => (property.kind, None),
-            Kind::Compound(place) => {
+            AbcPropertyKind::Values { .. } => (property.kind, None),
+            AbcPropertyKind::Compound(place) => {
                 let inner = self.archive.properties(place)?;
                 let Some(held) = inner.iter().find(|p| p.name == ".vals") else {
                     return Ok(Err("it has no values".into()));
@@ -563,7 +568,7 @@ impl CurvesObject<'_> {
                 (held.kind, values(&inner, ".indices").map(|(.., bytes)| bytes))
             }
         };
-        let Kind::Values { pod, extent, bytes, .. } = held else {
+        let AbcPropertyKind::Values { pod, extent, bytes, .. } = held else {
             return Ok(Err("it has no values".into()));
         };
         budget.charge(2 * bytes.len() as u64)?;
@@ -681,8 +686,9 @@ mod tests {
         let numbers: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
         let inherits = [inherits];
         let property = |name, pod, bytes| {
-            let kind = Kind::Values { samples: 1, pod, extent: 1, is_scalar: true, bytes };
-            Property { name, metadata: "", kind }
+            let kind =
+                AbcPropertyKind::Values { samples: 1, pod, extent: 1, is_scalar: true, bytes };
+            AbcProperty { name, metadata: "", kind }
         };
         let xform = [
             property(".inherits", 0, &inherits[..]),

@@ -6,7 +6,7 @@
 //! a buffer view is all zeros, as the specification says.
 
 use super::buffers::Buffers;
-use super::json::Value;
+use super::json::JsonValue;
 use super::{Tables, index_or, whole_or};
 use crate::data::mesh::MeshError;
 use crate::formats::mesh_in::limits::Budget;
@@ -14,7 +14,7 @@ use crate::formats::mesh_in::limits::Budget;
 /// What an accessor says of itself, tested for sense but not against any bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Accessor<'a> {
-    json: Value<'a>,
+    json: JsonValue<'a>,
     pub(super) number: u32,
     /// How many elements.
     pub(super) count: u64,
@@ -61,7 +61,7 @@ impl<'a> Accessor<'a> {
         let json = tables.accessors.item(number, from)?;
         let place = format!("accessors[{number}]");
         let component = component(json, &place)?;
-        let width = match json.get("type").and_then(Value::text) {
+        let width = match json.get("type").and_then(JsonValue::text) {
             Some("SCALAR") => 1,
             Some("VEC2") => 2,
             Some("VEC3") => 3,
@@ -69,13 +69,13 @@ impl<'a> Accessor<'a> {
             // Columns of 4 bytes and more lie close together.
             Some("MAT4") => 16,
             _ => {
-                let kind = json.get("type").map_or("missing".to_owned(), Value::shown);
+                let kind = json.get("type").map_or("missing".to_owned(), JsonValue::shown);
                 let reason = format!("its type is {kind}, which no mesh has");
                 return Err(MeshError::at(place, reason));
             }
         };
         let count = whole_or(json, "count", None, &place)?;
-        let normalized = json.get("normalized").and_then(Value::boolean).unwrap_or(false);
+        let normalized = json.get("normalized").and_then(JsonValue::boolean).unwrap_or(false);
         Ok(Self { json, number, count, component, width, normalized })
     }
 
@@ -90,7 +90,8 @@ impl<'a> Accessor<'a> {
 
     /// What reading an element costs: in a sparse list each is looked for by halving.
     pub(super) fn steps(&self) -> u64 {
-        let sparse = self.json.get("sparse").and_then(|s| s.get("count")).and_then(Value::whole);
+        let sparse =
+            self.json.get("sparse").and_then(|s| s.get("count")).and_then(JsonValue::whole);
         1 + sparse.map_or(0, |count| u64::from(u64::BITS - count.leading_zeros()))
     }
 
@@ -126,7 +127,7 @@ impl<'a> Accessor<'a> {
         &self,
         tables: &Tables<'a>,
         buffers: &'b Buffers<'a>,
-    ) -> Result<Numbers<'b>, MeshError> {
+    ) -> Result<AccessorValues<'b>, MeshError> {
         let place = self.place();
         let base = match self.json.get("bufferView") {
             None => None,
@@ -140,14 +141,14 @@ impl<'a> Accessor<'a> {
             Some(sparse) => Some(self.sparse(tables, buffers, sparse)?),
         };
         let Self { component, width, normalized, .. } = *self;
-        Ok(Numbers { base, sparse, component, width, normalized })
+        Ok(AccessorValues { base, sparse, component, width, normalized })
     }
 
     fn sparse<'b>(
         &self,
         tables: &Tables<'a>,
         buffers: &'b Buffers<'a>,
-        sparse: Value<'a>,
+        sparse: JsonValue<'a>,
     ) -> Result<Sparse<'b>, MeshError> {
         let place = format!("{}.sparse", self.place());
         let missing = |key: &str| MeshError::at(&place, format!("{key} is missing"));
@@ -177,7 +178,7 @@ impl<'a> Accessor<'a> {
     }
 }
 
-fn component(json: Value, place: &str) -> Result<Component, MeshError> {
+fn component(json: JsonValue, place: &str) -> Result<Component, MeshError> {
     let number = whole_or(json, "componentType", None, place)?;
     Component::of(number)
         .ok_or_else(|| MeshError::at(place, format!("componentType {number} is no kind of number")))
@@ -195,7 +196,7 @@ impl<'b> Strided<'b> {
     fn find<'a>(
         tables: &Tables<'a>,
         buffers: &'b Buffers<'a>,
-        holder: Value<'a>,
+        holder: JsonValue<'a>,
         count: u64,
         size: usize,
         place: &str,
@@ -279,7 +280,7 @@ impl<'b> Sparse<'b> {
 
 /// The elements of an accessor. Elements must be asked for below its `count`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Numbers<'b> {
+pub(super) struct AccessorValues<'b> {
     base: Option<Strided<'b>>,
     sparse: Option<Sparse<'b>>,
     component: Component,
@@ -287,7 +288,7 @@ pub(super) struct Numbers<'b> {
     normalized: bool,
 }
 
-impl<'b> Numbers<'b> {
+impl<'b> AccessorValues<'b> {
     fn element(&self, i: u64) -> Option<&'b [u8]> {
         if let Some(sparse) = &self.sparse
             && let Some(place) = sparse.find(i)

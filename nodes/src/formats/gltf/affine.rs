@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 specification, section 3.5.3. All in doubles, so that a chain of them costs no
 //! digit of a coordinate and an identity leaves each as it is in the file.
 
-use super::json::Value;
+use super::json::JsonValue;
 use crate::data::mesh::MeshError;
 use glam::Vec3;
 
@@ -21,7 +21,7 @@ impl Affine {
     pub(super) const ZERO: Self = Self { axes: [[0.; 3]; 3], origin: [0.; 3] };
 
     /// The transform of a node from its `matrix` or its translation, rotation and scale.
-    pub(super) fn of_node(node: Value, place: &str) -> Result<Self, MeshError> {
+    pub(super) fn of_node(node: JsonValue, place: &str) -> Result<Self, MeshError> {
         if let Some(m) = numbers::<16>(node, "matrix", place)? {
             return Ok(Self::of_columns(&m));
         }
@@ -102,7 +102,7 @@ fn rotate([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
 }
 
 fn numbers<const N: usize>(
-    node: Value,
+    node: JsonValue,
     key: &str,
     place: &str,
 ) -> Result<Option<[f64; N]>, MeshError> {
@@ -110,7 +110,7 @@ fn numbers<const N: usize>(
     let mut numbers = [0.0; N];
     let mut items = array.items();
     for number in &mut numbers {
-        let item = items.next().and_then(Value::number);
+        let item = items.next().and_then(JsonValue::number);
         *number = item.ok_or_else(|| {
             MeshError::at(format!("{place}.{key}"), format!("it does not have {N} numbers"))
         })?;

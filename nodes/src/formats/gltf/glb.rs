@@ -6,7 +6,7 @@ use crate::data::mesh::MeshError;
 
 /// JSON text and, in a `.glb`, the chunk of numbers.
 #[derive(Debug, PartialEq)]
-pub(super) struct Parts<'a> {
+pub(super) struct GlbChunks<'a> {
     pub(super) json: &'a [u8],
     pub(super) bin: Option<&'a [u8]>,
 }
@@ -14,9 +14,9 @@ pub(super) struct Parts<'a> {
 /// Takes a `.glb` apart; anything that does not begin as one is JSON.
 ///
 /// Bytes after the stated length are left alone, as are chunks of other kinds.
-pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, MeshError> {
+pub(super) fn split(bytes: &[u8]) -> Result<GlbChunks<'_>, MeshError> {
     if !bytes.starts_with(b"glTF") {
-        return Ok(Parts { json: bytes, bin: None });
+        return Ok(GlbChunks { json: bytes, bin: None });
     }
     let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {
         return Err(cut_off(bytes, 12));
@@ -28,7 +28,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, MeshError> {
     let Some(whole) = bytes.get(..length as usize) else {
         return Err(cut_off(bytes, length as usize));
     };
-    let mut parts = Parts { json: &[], bin: None };
+    let mut parts = GlbChunks { json: &[], bin: None };
     let mut at = 12;
     let mut n = 0;
     while at < whole.len() {
@@ -89,8 +89,8 @@ mod tests {
         assert_eq!(split(&bytes).unwrap().bin, Some(b"12".as_slice()));
         let mut longer = glb(24, &[(b"JSON", b"{}  ")]);
         longer.extend(b"glTF");
-        assert_eq!(split(&longer), Ok(Parts { json: b"{}  ", bin: None }));
-        assert_eq!(split(b"{}"), Ok(Parts { json: b"{}", bin: None }));
+        assert_eq!(split(&longer), Ok(GlbChunks { json: b"{}  ", bin: None }));
+        assert_eq!(split(b"{}"), Ok(GlbChunks { json: b"{}", bin: None }));
     }
 
     #[test]

@@ -39,7 +39,7 @@ pub(super) struct Doc<'a> {
 
 /// A value in a document.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Value<'a> {
+pub(super) struct JsonValue<'a> {
     doc: &'a Doc<'a>,
     at: u32,
 }
@@ -74,8 +74,8 @@ impl<'a> Doc<'a> {
         Ok(doc)
     }
 
-    pub(super) fn root(&'a self) -> Value<'a> {
-        Value { doc: self, at: 0 }
+    pub(super) fn root(&'a self) -> JsonValue<'a> {
+        JsonValue { doc: self, at: 0 }
     }
 
     /// Counts `n` steps more; an error once they are too many in all. To be called wherever a file
@@ -115,7 +115,7 @@ fn count_values(json: &[u8]) -> usize {
     n
 }
 
-impl<'a> Value<'a> {
+impl<'a> JsonValue<'a> {
     fn entry(self) -> Entry {
         self.doc.entries[self.at as usize]
     }
@@ -131,7 +131,7 @@ impl<'a> Value<'a> {
     }
 
     /// A member of an object; nothing also for `null` and where this is no object.
-    pub(super) fn get(self, key: &str) -> Option<Value<'a>> {
+    pub(super) fn get(self, key: &str) -> Option<JsonValue<'a>> {
         self.members().find(|(k, _)| *k == key).map(|(_, v)| v).filter(|v| !v.is_null())
     }
 
@@ -187,7 +187,7 @@ impl<'a> Value<'a> {
     }
 
     /// Keys and values of an object; none where this is no object.
-    pub(super) fn members(self) -> impl Iterator<Item = (&'a str, Value<'a>)> + use<'a> {
+    pub(super) fn members(self) -> impl Iterator<Item = (&'a str, JsonValue<'a>)> + use<'a> {
         let end = match self.entry() {
             Entry::Object(end) => end,
             _ => 0,
@@ -199,8 +199,8 @@ impl<'a> Value<'a> {
                 return None;
             }
             doc.step();
-            let key = Value { doc, at }.text().unwrap_or_default();
-            let value = Value { doc, at: at + 1 };
+            let key = JsonValue { doc, at }.text().unwrap_or_default();
+            let value = JsonValue { doc, at: at + 1 };
             at = doc.after(at + 1);
             Some((key, value))
         })
@@ -230,14 +230,14 @@ pub(super) struct Items<'a> {
 }
 
 impl<'a> Iterator for Items<'a> {
-    type Item = Value<'a>;
+    type Item = JsonValue<'a>;
 
-    fn next(&mut self) -> Option<Value<'a>> {
+    fn next(&mut self) -> Option<JsonValue<'a>> {
         if self.at >= self.end {
             return None;
         }
         self.doc.step();
-        let item = Value { doc: self.doc, at: self.at };
+        let item = JsonValue { doc: self.doc, at: self.at };
         self.at = self.doc.after(self.at);
         Some(item)
     }

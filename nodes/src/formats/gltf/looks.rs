@@ -5,10 +5,10 @@
 //! PNG and JPEG (WebP, KTX2), which are told.
 
 use super::buffers::{Buffers, decode_data_uri, is_data, side_name};
-use super::json::{Doc, Value};
+use super::json::{Doc, JsonValue};
 use super::{Table, Tables, Take, glb, index_or, name_of, read_as, whole_or};
 use crate::data::mesh::MeshError;
-use crate::formats::looks::{Looks, Map, Material, Picture, Wrap, rises, upright};
+use crate::formats::looks::{Looks, Material, Picture, TextureMap, TextureWrap, rises, upright};
 use crate::formats::mesh_in::limits::{Budget, excerpt};
 use crate::formats::mesh_in::{NAMELESS, Side};
 use crate::maths::transcendental::sin_cos;
@@ -103,7 +103,7 @@ impl<'a> Reader<'_, 'a> {
         if let Some(scale) = normal_map.and_then(|map| real(map.get("scale")?)) {
             material.normal_scale = scale.clamp(-16.0, 16.0);
         }
-        material.cutoff = match json.get("alphaMode").and_then(Value::text) {
+        material.cutoff = match json.get("alphaMode").and_then(JsonValue::text) {
             Some("MASK") => json.get("alphaCutoff").and_then(real).unwrap_or(HALF).clamp(0.0, 1.0),
             Some("BLEND") => HALF,
             _ => 0.0,
@@ -112,7 +112,12 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// A map, or none and a remark.
-    fn map(&mut self, material: &str, what: &str, info: Option<Value<'a>>) -> Option<Map> {
+    fn map(
+        &mut self,
+        material: &str,
+        what: &str,
+        info: Option<JsonValue<'a>>,
+    ) -> Option<TextureMap> {
         match self.found(info?) {
             Ok(map) => Some(map),
             Err(reason) => {
@@ -127,7 +132,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    fn found(&mut self, info: Value<'a>) -> Result<Map, String> {
+    fn found(&mut self, info: JsonValue<'a>) -> Result<TextureMap, String> {
         let said = |err: MeshError| err.to_string();
         let number = index_or(info, "index", "a map").map_err(said)?;
         let number = number.ok_or_else(|| "it names no texture".to_owned())?;
@@ -143,15 +148,16 @@ impl<'a> Reader<'_, 'a> {
                 None => format!("{place} names no picture"),
             });
         };
-        let (mut wrap, mut nearest) = ([Wrap::Repeat; 2], false);
+        let (mut wrap, mut nearest) = ([TextureWrap::Repeat; 2], false);
         if let Some(number) = index_or(texture, "sampler", &place).map_err(said)? {
             let sampler = self.samplers.item(number, &place).map_err(said)?;
-            wrap = ["wrapS", "wrapT"].map(|key| match sampler.get(key).and_then(Value::whole) {
-                Some(33071) => Wrap::Clamp,
-                Some(33648) => Wrap::Mirror,
-                _ => Wrap::Repeat,
-            });
-            nearest = sampler.get("magFilter").and_then(Value::whole) == Some(9728);
+            wrap =
+                ["wrapS", "wrapT"].map(|key| match sampler.get(key).and_then(JsonValue::whole) {
+                    Some(33071) => TextureWrap::Clamp,
+                    Some(33648) => TextureWrap::Mirror,
+                    _ => TextureWrap::Repeat,
+                });
+            nearest = sampler.get("magFilter").and_then(JsonValue::whole) == Some(9728);
         }
         let mut set = whole_or(info, "texCoord", Some(0), "a map").map_err(said)?;
         let mut picture_from_uv = upright();
@@ -163,7 +169,7 @@ impl<'a> Reader<'_, 'a> {
         let set = u32::try_from(set).ok().filter(|set| *set < 16);
         let set = set.ok_or_else(|| "it lies by a set of uvs beyond the 15th".to_owned())?;
         let picture = self.picture(image)?;
-        Ok(Map { picture, set, picture_from_uv, wrap, nearest, doubtful: false })
+        Ok(TextureMap { picture, set, picture_from_uv, wrap, nearest, doubtful: false })
     }
 
     fn picture(&mut self, number: u32) -> Result<usize, String> {
@@ -187,7 +193,7 @@ impl<'a> Reader<'_, 'a> {
         let place = format!("images[{number}]");
         let image = self.images.item(number, "a texture").map_err(said)?;
         let name = name_of(image).map_or_else(|| place.clone(), |n| excerpt(n.as_bytes()));
-        let bytes: Arc<[u8]> = match image.get("uri").and_then(Value::text) {
+        let bytes: Arc<[u8]> = match image.get("uri").and_then(JsonValue::text) {
             Some(uri) if is_data(uri) => {
                 self.budget.take(&place, 2 * uri.len() as u64).map_err(said)?;
                 decode_data_uri(uri).map_err(|e| format!("{place}: {e}"))?.into()
@@ -206,7 +212,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// The bytes of a picture that lies in a buffer.
-    fn view(&mut self, image: Value<'a>, place: &str) -> Result<Arc<[u8]>, MeshError> {
+    fn view(&mut self, image: JsonValue<'a>, place: &str) -> Result<Arc<[u8]>, MeshError> {
         let Some(number) = index_or(image, "bufferView", place)? else {
             return Err(MeshError::at(place, "it has neither a uri nor a bufferView"));
         };
@@ -231,7 +237,7 @@ impl<'a> Reader<'_, 'a> {
 
 /// KHR_texture_transform: scaled, turned counter-clockwise as one looks at the picture, then moved. From v down to v down. (The
 /// formula in the extension's text turns the other way than its words; programs follow the words.)
-fn transform(json: Value) -> Affine2 {
+fn transform(json: JsonValue) -> Affine2 {
     let pair = |key: &str, or: Vec2| {
         json.get(key).and_then(|value| numbers::<2>(value)).map_or(or, Vec2::from_array)
     };
@@ -242,12 +248,12 @@ fn transform(json: Value) -> Affine2 {
     Affine2::from_mat2_translation(turned * scaled, pair("offset", Vec2::ZERO))
 }
 
-fn real(value: Value) -> Option<f32> {
+fn real(value: JsonValue) -> Option<f32> {
     value.number().map(|x| x as f32).filter(|x| x.is_finite())
 }
 
 /// As many finite numbers; three stand for four with a last 1.
-fn numbers<const N: usize>(value: Value) -> Option<[f32; N]> {
+fn numbers<const N: usize>(value: JsonValue) -> Option<[f32; N]> {
     let mut all = [1.0; N];
     let mut n = 0;
     for (to, value) in all.iter_mut().zip(value.items()) {
@@ -306,7 +312,11 @@ mod tests {
             let looks = looks(PICTURES, &base(&format!(r#"{{"index":{texture}}}"#)));
             let map = looks.materials[0].colour_map.as_ref().expect("a map");
             assert_eq!(&*looks.pictures[map.picture].bytes, bytes.as_bytes());
-            let wrap = if texture == 0 { [Wrap::Clamp, Wrap::Mirror] } else { [Wrap::Repeat; 2] };
+            let wrap = if texture == 0 {
+                [TextureWrap::Clamp, TextureWrap::Mirror]
+            } else {
+                [TextureWrap::Repeat; 2]
+            };
             assert_eq!((map.wrap, map.nearest, map.set), (wrap, texture == 0, 0));
             assert_eq!((looks.material_of, looks.rises), (vec![0], vec![true]));
         }

@@ -3,8 +3,8 @@
 //!
 //! Source: glTF 2.0 specification, sections 3.7.2 and 5.24.
 
-use super::accessor::{Accessor, Component, Numbers};
-use super::json::Value;
+use super::accessor::{Accessor, AccessorValues, Component};
+use super::json::JsonValue;
 use super::scene::Draw;
 use super::skin::Bound;
 use super::{Reader, Tables, index_or, name_of, unread_extension, whole_or};
@@ -23,7 +23,7 @@ enum Mode {
 /// A primitive, by what we can do with it.
 #[expect(clippy::large_enum_variant, reason = "one at a time, on the stack")]
 #[derive(Debug)]
-pub(super) enum Shape<'a> {
+pub(super) enum PrimitiveKind<'a> {
     Triangles(Primitive<'a>),
     /// Lines or points.
     Other,
@@ -40,8 +40,8 @@ pub(super) struct Primitive<'a> {
     pub(super) colour: Option<Accessor<'a>>,
     /// Number and name.
     pub(super) material: Option<(u32, Option<&'a str>)>,
-    pub(super) attributes: Value<'a>,
-    pub(super) targets: Option<Value<'a>>,
+    pub(super) attributes: JsonValue<'a>,
+    pub(super) targets: Option<JsonValue<'a>>,
     /// For messages.
     pub(super) place: String,
 }
@@ -50,31 +50,36 @@ impl<'a> Primitive<'a> {
     pub(super) fn all<'t>(
         tables: &'t Tables<'a>,
         mesh: u32,
-    ) -> Result<impl Iterator<Item = Result<Shape<'a>, MeshError>> + use<'a, 't>, MeshError> {
+    ) -> Result<impl Iterator<Item = Result<PrimitiveKind<'a>, MeshError>> + use<'a, 't>, MeshError>
+    {
         let json = tables.meshes.item(mesh, "nodes")?;
-        let primitives = json.get("primitives").into_iter().flat_map(Value::items);
+        let primitives = json.get("primitives").into_iter().flat_map(JsonValue::items);
         Ok(primitives.enumerate().map(move |(i, primitive)| {
             let place = format!("meshes[{mesh}].primitives[{i}]");
             Self::read(tables, primitive, &place)
         }))
     }
 
-    fn read(tables: &Tables<'a>, json: Value<'a>, place: &str) -> Result<Shape<'a>, MeshError> {
+    fn read(
+        tables: &Tables<'a>,
+        json: JsonValue<'a>,
+        place: &str,
+    ) -> Result<PrimitiveKind<'a>, MeshError> {
         let mode = match whole_or(json, "mode", Some(4), place)? {
-            0..=3 => return Ok(Shape::Other),
+            0..=3 => return Ok(PrimitiveKind::Other),
             4 => Mode::Triangles,
             5 => Mode::Strip,
             6 => Mode::Fan,
             mode => return Err(MeshError::at(place, format!("mode {mode} does not exist"))),
         };
-        let Some(attributes) = json.get("attributes") else { return Ok(Shape::NoPosition) };
+        let Some(attributes) = json.get("attributes") else { return Ok(PrimitiveKind::NoPosition) };
         let attribute = |key: &str| -> Result<Option<Accessor<'a>>, MeshError> {
             match index_or(attributes, key, place)? {
                 None => Ok(None),
                 Some(number) => Ok(Some(Accessor::find(tables, number, place)?)),
             }
         };
-        let Some(position) = attribute("POSITION")? else { return Ok(Shape::NoPosition) };
+        let Some(position) = attribute("POSITION")? else { return Ok(PrimitiveKind::NoPosition) };
         let compressed = json.get("extensions").and_then(|e| e.get("KHR_draco_mesh_compression"));
         if compressed.is_some() && !position.has_view() {
             return Err(unread_extension(place, "KHR_draco_mesh_compression"));
@@ -107,7 +112,7 @@ impl<'a> Primitive<'a> {
             Some(number) => Some((number, name_of(tables.materials.item(number, place)?))),
         };
         let (targets, place) = (json.get("targets"), place.to_owned());
-        Ok(Shape::Triangles(Self {
+        Ok(PrimitiveKind::Triangles(Self {
             mode,
             position,
             indices,
@@ -185,11 +190,11 @@ fn corners(mode: Mode, t: u64) -> [u64; 3] {
 }
 
 struct Opened<'b> {
-    position: Numbers<'b>,
-    indices: Option<Numbers<'b>>,
-    uv: Option<Numbers<'b>>,
-    colour: Option<Numbers<'b>>,
-    targets: Vec<(f64, Numbers<'b>)>,
+    position: AccessorValues<'b>,
+    indices: Option<AccessorValues<'b>>,
+    uv: Option<AccessorValues<'b>>,
+    colour: Option<AccessorValues<'b>>,
+    targets: Vec<(f64, AccessorValues<'b>)>,
     bound: Option<Bound<'b>>,
 }
 

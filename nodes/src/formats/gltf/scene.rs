@@ -3,10 +3,10 @@
 //! Source: glTF 2.0 specification, sections 3.5 and 3.7.3.3.
 
 use super::affine::Affine;
-use super::json::{Items, Value};
+use super::json::{Items, JsonValue};
 use super::{Tables, index_or, name_of};
 use crate::data::mesh::MeshError;
-use crate::formats::mesh_in::Names;
+use crate::formats::mesh_in::NameTable;
 
 /// How deep nodes may lie in nodes. Rigs reach a few dozen; a stack of this height is 140 kB.
 pub(super) const MOST_DEPTH: usize = 1024;
@@ -26,7 +26,7 @@ pub(super) struct Draw<'a> {
     pub(super) also: Vec<String>,
     pub(super) skin: Option<u32>,
     /// How far the node turns its mesh into each morph target, where it says so itself.
-    pub(super) weights: Option<Value<'a>>,
+    pub(super) weights: Option<JsonValue<'a>>,
     pub(super) instanced: bool,
     /// The node, for messages.
     pub(super) place: String,
@@ -34,7 +34,7 @@ pub(super) struct Draw<'a> {
 
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Plan {
+pub(super) enum SceneSource {
     /// A scene of the file.
     Scene(u32),
     /// All nodes that lie in no other.
@@ -43,13 +43,15 @@ pub(super) enum Plan {
     Meshes,
 }
 
-impl Plan {
+impl SceneSource {
     /// What the file means to show, then what may stand in for it.
-    pub(super) fn of(tables: &Tables) -> Result<impl Iterator<Item = Plan> + use<>, MeshError> {
+    pub(super) fn of(
+        tables: &Tables,
+    ) -> Result<impl Iterator<Item = SceneSource> + use<>, MeshError> {
         let stated = index_or(tables.doc.root(), "scene", "file")?;
         let first = (tables.scenes.len() > 0).then_some(0);
-        let scene = stated.or(first).map(Plan::Scene);
-        Ok(scene.into_iter().chain([Plan::Roots, Plan::Meshes]))
+        let scene = stated.or(first).map(SceneSource::Scene);
+        Ok(scene.into_iter().chain([SceneSource::Roots, SceneSource::Meshes]))
     }
 
     pub(super) fn note(self) -> Option<&'static str> {
@@ -66,11 +68,11 @@ impl Plan {
 /// A node that lies in two others, or in itself, is refused.
 pub(super) fn walk<'a>(
     tables: &Tables<'a>,
-    plan: Plan,
+    plan: SceneSource,
     draw: &mut dyn FnMut(&Draw<'a>) -> Result<(), MeshError>,
 ) -> Result<(), MeshError> {
     match plan {
-        Plan::Scene(scene) => {
+        SceneSource::Scene(scene) => {
             let place = format!("scenes[{scene}]");
             let scene = tables.scenes.item(scene, "scene")?;
             let Some(nodes) = scene.get("nodes") else { return Ok(()) };
@@ -79,11 +81,13 @@ pub(super) fn walk<'a>(
                 walk.tree(index(node, &place)?, &place, draw)?;
             }
         }
-        Plan::Roots => {
+        SceneSource::Roots => {
             let mut is_root = vec![true; tables.nodes.len()];
             for node in 0..tables.nodes.len() {
                 let children = tables.nodes.item(node as u32, "nodes")?.get("children");
-                for child in children.into_iter().flat_map(Value::items).filter_map(Value::whole) {
+                for child in
+                    children.into_iter().flat_map(JsonValue::items).filter_map(JsonValue::whole)
+                {
                     if let Some(is_root) = is_root.get_mut(child as usize) {
                         *is_root = false;
                     }
@@ -94,14 +98,14 @@ pub(super) fn walk<'a>(
                 walk.tree(node as u32, "nodes", draw)?;
             }
         }
-        Plan::Meshes => {
+        SceneSource::Meshes => {
             for number in 0..tables.meshes.len() as u32 {
                 let place = format!("meshes[{number}]");
                 let name = name_of(tables.meshes.item(number, &place)?);
                 draw(&Draw {
                     mesh: number,
                     world_from_mesh: Affine::IDENTITY,
-                    name: name.map_or_else(|| format!("mesh {number}"), Names::cut),
+                    name: name.map_or_else(|| format!("mesh {number}"), NameTable::cut),
                     also: vec![],
                     skin: None,
                     weights: None,
@@ -115,7 +119,7 @@ pub(super) fn walk<'a>(
 }
 
 /// The number of a node, which something at `place` names.
-pub(super) fn index(value: Value, place: &str) -> Result<u32, MeshError> {
+pub(super) fn index(value: JsonValue, place: &str) -> Result<u32, MeshError> {
     let index = value.whole().and_then(|n| u32::try_from(n).ok());
     index.ok_or_else(|| MeshError::at(place, format!("{} is no index of a node", value.shown())))
 }
@@ -172,22 +176,22 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let extension = |name| node.get("extensions").and_then(|e| e.get(name));
         let visible = extension("KHR_node_visibility").and_then(|v| v.get("visible"));
-        if visible.and_then(Value::boolean) == Some(false) {
+        if visible.and_then(JsonValue::boolean) == Some(false) {
             return Ok(());
         }
         let world = world_from_parent.times(&Affine::of_node(node, &place)?);
         if let Some(mesh) = index_or(node, "mesh", &place)? {
             let mesh_name = name_of(self.tables.meshes.item(mesh, &place)?);
             let name = name_of(node).or(mesh_name);
-            let mut also = vec![mesh_name.map_or_else(String::new, Names::cut)];
+            let mut also = vec![mesh_name.map_or_else(String::new, NameTable::cut)];
             for (above, ..) in self.stack.iter().rev().take(MOST_ABOVE) {
                 let name = name_of(self.tables.nodes.item(*above, &place)?);
-                also.push(name.map_or_else(String::new, Names::cut));
+                also.push(name.map_or_else(String::new, NameTable::cut));
             }
             draw(&Draw {
                 mesh,
                 world_from_mesh: world,
-                name: name.map_or_else(|| format!("node {number}"), Names::cut),
+                name: name.map_or_else(|| format!("node {number}"), NameTable::cut),
                 also,
                 skin: index_or(node, "skin", &place)?,
                 weights: node.get("weights"),

@@ -10,10 +10,10 @@
 //! follows its first joint. Of a joint that holds nothing, the inverse bind matrix may be broken.
 //! **Not promised:** the bind pose. A file that was saved in a pose comes in that pose.
 
-use super::accessor::{Accessor, Component, Numbers};
+use super::accessor::{Accessor, AccessorValues, Component};
 use super::affine::Affine;
 use super::buffers::Buffers;
-use super::json::Value;
+use super::json::JsonValue;
 use super::primitive::Primitive;
 use super::scene::{MOST_DEPTH, index};
 use super::{Notes, Tables, index_or};
@@ -35,7 +35,7 @@ const BYTES_PER_PLACE: u64 = 200;
 /// The skins of a file that were needed so far.
 #[derive(Debug, Default)]
 pub(super) struct Skins {
-    read: BTreeMap<u32, Rc<Skin>>,
+    read: BTreeMap<u32, Rc<GltfSkin>>,
     /// The node that each node lies in; empty before the first skin.
     parents: Vec<Parent>,
     worlds: BTreeMap<u32, Affine>,
@@ -50,7 +50,7 @@ enum Parent {
 
 /// A skin, its joints at their places.
 #[derive(Debug)]
-pub(super) struct Skin {
+pub(super) struct GltfSkin {
     number: u32,
     joints: Vec<Joint>,
 }
@@ -71,13 +71,13 @@ impl Skins {
         from: &str,
         buffers: &mut Buffers<'a>,
         budget: &mut Budget,
-    ) -> Result<Rc<Skin>, MeshError> {
+    ) -> Result<Rc<GltfSkin>, MeshError> {
         if let Some(skin) = self.read.get(&number) {
             return Ok(skin.clone());
         }
         let place = format!("skins[{number}]");
         let json = tables.skins.item(number, from)?;
-        let listed = || json.get("joints").into_iter().flat_map(Value::items);
+        let listed = || json.get("joints").into_iter().flat_map(JsonValue::items);
         let n = listed().count();
         if n == 0 {
             let reason = "there are none: export the mesh with its skeleton, or without a skin";
@@ -116,7 +116,7 @@ impl Skins {
             };
             joints.push(Joint { world_from_mesh: world.times(&bind), fault });
         }
-        let skin = Rc::new(Skin { number, joints });
+        let skin = Rc::new(GltfSkin { number, joints });
         self.read.insert(number, skin.clone());
         Ok(skin)
     }
@@ -131,7 +131,9 @@ impl Skins {
         for node in 0..n as u32 {
             tables.doc.tire(1)?;
             let children = tables.nodes.item(node, "nodes")?.get("children");
-            for child in children.into_iter().flat_map(Value::items).filter_map(Value::whole) {
+            for child in
+                children.into_iter().flat_map(JsonValue::items).filter_map(JsonValue::whole)
+            {
                 if let Some(parent) = self.parents.get_mut(child as usize) {
                     *parent = match parent {
                         Parent::None => Parent::Node(node),
@@ -245,9 +247,9 @@ pub(super) fn sets<'a>(
 
 /// A primitive in its skin.
 pub(super) struct Bound<'b> {
-    pub(super) skin: Rc<Skin>,
+    pub(super) skin: Rc<GltfSkin>,
     /// Joints and weights, with the numbers of their accessors.
-    pub(super) sets: Vec<[(u32, Numbers<'b>); 2]>,
+    pub(super) sets: Vec<[(u32, AccessorValues<'b>); 2]>,
 }
 
 impl Bound<'_> {
@@ -280,7 +282,7 @@ impl Bound<'_> {
 
     /// The matrix of a joint, which element `i` of an accessor names.
     fn joint(&self, accessor: u32, i: u64, joint: f64) -> Result<Affine, MeshError> {
-        let Skin { number, joints } = &*self.skin;
+        let GltfSkin { number, joints } = &*self.skin;
         match joints.get(joint as usize) {
             None => {
                 let n = joints.len();

@@ -15,12 +15,12 @@ const BYTES_PER_NAME: u64 = 160;
 
 /// A list of different names and the way back from a name to its number.
 #[derive(Debug, Default)]
-pub(crate) struct Names {
+pub(crate) struct NameTable {
     list: Vec<String>,
     numbers: BTreeMap<String, u32>,
 }
 
-impl Names {
+impl NameTable {
     /// Bytes that adding a name costs at most.
     pub(crate) fn memory(name_bytes: usize) -> u64 {
         BYTES_PER_NAME + 3 * name_bytes.min(LONGEST) as u64

@@ -1,9 +1,9 @@
 //! The first reading of an OBJ file: how much of everything there is, and what is to be left out.
 
-use super::lines::{Lines, split_keyword, words};
+use super::lines::{TextLines, split_keyword, words};
 use super::{MOST_CORNERS, at_line};
 use crate::data::mesh::MeshError;
-use crate::formats::mesh_in::{Names, WELD_BYTES_PER_POINT, WELD_BYTES_PER_TRIANGLE};
+use crate::formats::mesh_in::{NameTable, WELD_BYTES_PER_POINT, WELD_BYTES_PER_TRIANGLE};
 
 /// What the first reading finds: how much of everything there is.
 #[derive(Debug, Default)]
@@ -27,7 +27,7 @@ pub(super) struct Count {
 impl Count {
     pub(super) fn of(text: &[u8]) -> Result<Self, MeshError> {
         let mut count = Self::default();
-        let mut lines = Lines::new(text);
+        let mut lines = TextLines::new(text);
         while let Some((line, text)) = lines.next() {
             let (keyword, rest) = split_keyword(text);
             match keyword {
@@ -52,11 +52,11 @@ impl Count {
                 }
                 b"usemtl" => {
                     count.materials = true;
-                    count.names += Names::memory(rest.len());
+                    count.names += NameTable::memory(rest.len());
                 }
                 b"o" | b"g" => {
                     count.parts = true;
-                    count.names += Names::memory(rest.len());
+                    count.names += NameTable::memory(rest.len());
                 }
                 b"l" | b"p" => count.lines_and_points += 1,
                 b"curv" | b"curv2" | b"surf" => count.free_form += 1,

@@ -1,13 +1,13 @@
 //! OBJ text as lines and words. Bytes, since nothing but names is ever more than ASCII.
 
 /// Lines of text in any of the three line ends, with `\` at an end carrying on in the next line.
-pub(super) struct Lines<'a> {
+pub(super) struct TextLines<'a> {
     rest: &'a [u8],
     number: usize,
     joined: Vec<u8>,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> TextLines<'a> {
     pub(super) fn new(text: &'a [u8]) -> Self {
         Self { rest: text, number: 0, joined: Vec::new() }
     }

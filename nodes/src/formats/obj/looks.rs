@@ -4,10 +4,10 @@
 //! looked for where it is named and else, as many programs write paths of the machine that they ran on, by its name alone beside
 //! the mesh. Not promised: anything about other statements, which are skipped.
 
-use super::lines::{Lines, split_keyword, words};
+use super::lines::{TextLines, split_keyword, words};
 use super::read;
 use crate::data::mesh::MeshError;
-use crate::formats::looks::{Looks, Map, Material, Picture, Wrap, rises, upright};
+use crate::formats::looks::{Looks, Material, Picture, TextureMap, TextureWrap, rises, upright};
 use crate::formats::mesh_in::Side;
 use crate::formats::mesh_in::limits::excerpt;
 use glam::{Affine2, Vec2, Vec3};
@@ -52,7 +52,7 @@ pub(in crate::formats) fn read_looks(bytes: &[u8], side: Side) -> Result<Looks, 
 /// The files that `mtllib` lines name. A name may hold spaces, and a line several names.
 fn libraries(bytes: &[u8]) -> Vec<String> {
     let mut all: Vec<String> = vec![];
-    let mut lines = Lines::new(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    let mut lines = TextLines::new(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     while let Some((_, line)) = lines.next() {
         let (b"mtllib", rest) = split_keyword(line) else { continue };
         let rest = String::from_utf8_lossy(rest).into_owned();
@@ -84,7 +84,7 @@ impl Reader<'_> {
     /// Adds the materials of a file that `wanted` names.
     fn read(&mut self, text: &[u8], wanted: &[String], known: &mut BTreeMap<String, Material>) {
         let mut current: Option<Material> = None;
-        let mut lines = Lines::new(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text));
+        let mut lines = TextLines::new(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text));
         while let Some((_, line)) = lines.next() {
             let (keyword, rest) = split_keyword(line);
             let keyword = keyword.to_ascii_lowercase();
@@ -115,7 +115,7 @@ impl Reader<'_> {
                 }
                 b"map_bump" | b"bump" if material.normal_map.is_none() => {
                     if let Some((map, scale)) = self.map(&material.name, "bump", rest) {
-                        let map = Map { doubtful: true, ..map };
+                        let map = TextureMap { doubtful: true, ..map };
                         (material.normal_map, material.normal_scale) = (Some(map), scale);
                     }
                 }
@@ -126,14 +126,15 @@ impl Reader<'_> {
     }
 
     /// A map and its multiplier, or none and a remark.
-    fn map(&mut self, material: &str, what: &str, rest: &[u8]) -> Option<(Map, f32)> {
+    fn map(&mut self, material: &str, what: &str, rest: &[u8]) -> Option<(TextureMap, f32)> {
         let options = Options::of(rest);
         match self.picture(&options.name) {
             Ok(picture) => {
                 let from =
                     Affine2::from_scale_angle_translation(options.scale, 0.0, options.offset);
-                let wrap = [if options.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
-                let map = Map {
+                let wrap =
+                    [if options.clamp { TextureWrap::Clamp } else { TextureWrap::Repeat }; 2];
+                let map = TextureMap {
                     picture,
                     set: 0,
                     picture_from_uv: upright() * from,
@@ -314,7 +315,7 @@ mod tests {
         // (0.25, 0.125), v up, scaled: (0.5, 0.5); moved: (1, 0.75); from the top: (1, 0.25).
         let at = map.picture_from_uv.transform_point2(Vec2::new(0.25, 0.125));
         assert!(at.distance(Vec2::new(1.0, 0.25)) < 1e-6, "{at}");
-        assert_eq!(map.wrap, [Wrap::Clamp; 2]);
+        assert_eq!(map.wrap, [TextureWrap::Clamp; 2]);
         let bump = material.normal_map.as_ref().expect("a map");
         assert!(bump.doubtful && material.normal_scale == 0.5);
     }

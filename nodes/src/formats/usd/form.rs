@@ -52,8 +52,8 @@ pub fn is_position(point: Vec3) -> bool {
 }
 
 /// Values that can be blended.
-pub trait Blend: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self> {}
-impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>> Blend for T {}
+pub trait Lerp: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self> {}
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>> Lerp for T {}
 
 impl Form {
     /// What coif writes: cubic, Catmull-Rom, pinned.
@@ -126,7 +126,7 @@ impl Form {
     }
 
     /// The values that control the span `span` of a curve with these values at its points; of linear ones the first two count.
-    pub fn control<T: Blend>(self, values: &[T], span: usize) -> [T; 4] {
+    pub fn control<T: Lerp>(self, values: &[T], span: usize) -> [T; 4] {
         let n = values.len();
         let at = |k: usize| values[k % n];
         let beyond = |end: T, before: T| end + end - before;
@@ -144,7 +144,7 @@ impl Form {
     }
 
     /// The span `span` as a polynomial: `((c3 t + c2) t + c1) t + c0` for t from 0 to 1.
-    pub fn span<T: Blend>(self, values: &[T], span: usize) -> [T; 4] {
+    pub fn span<T: Lerp>(self, values: &[T], span: usize) -> [T; 4] {
         let [a, b, c, d] = self.control(values, span);
         let bent = d - a + (b - c) * 3.0;
         match self.basis {
@@ -184,7 +184,7 @@ impl fmt::Display for Form {
 }
 
 /// A polynomial's value.
-pub fn value<T: Blend>([c0, c1, c2, c3]: [T; 4], t: f32) -> T {
+pub fn value<T: Lerp>([c0, c1, c2, c3]: [T; 4], t: f32) -> T {
     ((c3 * t + c2) * t + c1) * t + c0
 }
 

@@ -14,7 +14,9 @@
 //! and axes is the caller's. Nothing is animated. Names that no identifier can hold are kept as `displayName`.
 
 use super::super::{Chunks, FormatError};
-use super::spec::{Attribute, Field, Layer, Prim, Property, Value, Variability};
+use super::spec::{
+    AttributeSpec, MetadataField, PrimSpec, PropertySpec, UsdLayer, UsdValue, Variability,
+};
 use super::{usda, usdc};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
@@ -22,7 +24,7 @@ use std::io::{Seek, Write};
 
 /// A groom to be written.
 #[derive(Clone, Debug)]
-pub struct Stage<'a> {
+pub struct GroomStage<'a> {
     /// Name of the root prim; made a valid identifier.
     pub name: String,
     /// What the file says about itself, for people.
@@ -40,12 +42,12 @@ pub struct Stage<'a> {
     /// The curves, in file order.
     pub groups: Vec<CurveSet<'a>>,
     /// Meshes beside them.
-    pub skins: Vec<Skin<'a>>,
+    pub skins: Vec<SkinMesh<'a>>,
 }
 
 /// A mesh of triangles.
 #[derive(Clone, Debug)]
-pub struct Skin<'a> {
+pub struct SkinMesh<'a> {
     /// Name of the prim; made valid and unique.
     pub name: String,
     /// Corners, in stage units and axes.
@@ -184,7 +186,7 @@ impl PrimvarValues<'_> {
 ///
 /// # Errors
 /// The output failed, a text holds a NUL, or a curve set contradicts itself: see [`write_usdc`].
-pub fn write_usda(stage: &Stage, out: &mut (impl Write + ?Sized)) -> Result<(), FormatError> {
+pub fn write_usda(stage: &GroomStage, out: &mut (impl Write + ?Sized)) -> Result<(), FormatError> {
     usda::write(&layer(stage)?, out)
 }
 
@@ -194,7 +196,7 @@ pub fn write_usda(stage: &Stage, out: &mut (impl Write + ?Sized)) -> Result<(), 
 /// The output failed, a text holds a NUL, or a curve set contradicts itself: a curve of fewer than 2
 /// points, counts that are not the number of points, a width or primvar of another length than its
 /// interpolation asks, a point or width that is no finite number.
-pub fn write_usdc(stage: &Stage, out: &mut (impl Write + Seek)) -> Result<(), FormatError> {
+pub fn write_usdc(stage: &GroomStage, out: &mut (impl Write + Seek)) -> Result<(), FormatError> {
     usdc::write(&layer(stage)?, out)
 }
 
@@ -202,7 +204,7 @@ pub fn write_usdc(stage: &Stage, out: &mut (impl Write + Seek)) -> Result<(), Fo
 ///
 /// # Errors
 /// A curve set contradicts itself, as for [`write_usdc`].
-pub fn layer<'a>(stage: &'a Stage<'a>) -> Result<Layer<'a>, FormatError> {
+pub fn layer<'a>(stage: &'a GroomStage<'a>) -> Result<UsdLayer<'a>, FormatError> {
     let name = identifier(&stage.name);
     let mut scopes = Scopes::of(&name);
     for set in &stage.groups {
@@ -213,35 +215,35 @@ pub fn layer<'a>(stage: &'a Stage<'a>) -> Result<Layer<'a>, FormatError> {
         let name = unique(identifier(&skin.name), is_taken);
         scopes.skins.push(mesh(skin, name));
     }
-    let root = Prim {
+    let root = PrimSpec {
         name: name.clone(),
         type_name: "Xform",
-        fields: [("kind", Value::Token("component".into()))]
+        fields: [("kind", UsdValue::Token("component".into()))]
             .into_iter()
             .chain(display_name(&stage.name, &name))
             .collect(),
         children: scopes.prims(),
-        ..Prim::default()
+        ..PrimSpec::default()
     };
-    Ok(Layer { fields: layer_fields(stage, name), prims: vec![root] })
+    Ok(UsdLayer { fields: layer_fields(stage, name), prims: vec![root] })
 }
 
-fn layer_fields<'a>(stage: &Stage, default_prim: String) -> Vec<Field<'a>> {
+fn layer_fields<'a>(stage: &GroomStage, default_prim: String) -> Vec<MetadataField<'a>> {
     let up_axis = match stage.up_axis {
         UpAxis::Y => "Y",
         UpAxis::Z => "Z",
     };
     let about = vec![
-        ("generator", Value::String(stage.generator.clone())),
-        ("graph", Value::String(stage.graph_hash.clone())),
-        ("seed", Value::UInt64(stage.seed)),
+        ("generator", UsdValue::String(stage.generator.clone())),
+        ("graph", UsdValue::String(stage.graph_hash.clone())),
+        ("seed", UsdValue::UInt64(stage.seed)),
     ];
     vec![
-        ("customLayerData", Value::Dictionary(about)),
-        ("defaultPrim", Value::Token(default_prim)),
-        ("documentation", Value::String(stage.doc.clone())),
-        ("metersPerUnit", Value::Double(stage.meters_per_unit)),
-        ("upAxis", Value::Token(up_axis.into())),
+        ("customLayerData", UsdValue::Dictionary(about)),
+        ("defaultPrim", UsdValue::Token(default_prim)),
+        ("documentation", UsdValue::String(stage.doc.clone())),
+        ("metersPerUnit", UsdValue::Double(stage.meters_per_unit)),
+        ("upAxis", UsdValue::Token(up_axis.into())),
     ]
 }
 
@@ -249,10 +251,10 @@ fn layer_fields<'a>(stage: &Stage, default_prim: String) -> Vec<Field<'a>> {
 struct Scopes<'a> {
     /// Path of the root prim.
     root: String,
-    strands: Vec<Prim<'a>>,
-    guides: Vec<Prim<'a>>,
-    skins: Vec<Prim<'a>>,
-    looks: Vec<Prim<'a>>,
+    strands: Vec<PrimSpec<'a>>,
+    guides: Vec<PrimSpec<'a>>,
+    skins: Vec<PrimSpec<'a>>,
+    looks: Vec<PrimSpec<'a>>,
 }
 
 impl<'a> Scopes<'a> {
@@ -275,7 +277,7 @@ impl<'a> Scopes<'a> {
         Ok(())
     }
 
-    fn prims(self) -> Vec<Prim<'a>> {
+    fn prims(self) -> Vec<PrimSpec<'a>> {
         let scopes = [
             ("Strands", self.strands),
             ("Guides", self.guides),
@@ -285,11 +287,11 @@ impl<'a> Scopes<'a> {
         scopes
             .into_iter()
             .filter(|(_, children)| !children.is_empty())
-            .map(|(name, children)| Prim {
+            .map(|(name, children)| PrimSpec {
                 name: name.into(),
                 type_name: "Scope",
                 children,
-                ..Prim::default()
+                ..PrimSpec::default()
             })
             .collect()
     }
@@ -299,14 +301,14 @@ fn curves<'a>(
     set: &'a CurveSet<'a>,
     name: String,
     material: &str,
-) -> Result<Prim<'a>, FormatError> {
-    let shape = Shape::of(set)?;
+) -> Result<PrimSpec<'a>, FormatError> {
+    let shape = CheckedCurves::of(set)?;
     let mut properties = vec![
         uniform_token("type", "cubic"),
         uniform_token("basis", "catmullRom"),
         uniform_token("wrap", "pinned"),
-        attribute("curveVertexCounts", "int[]", Value::Ints(set.counts.clone())),
-        attribute("points", "point3f[]", Value::Vec3fs(set.points.clone())),
+        attribute("curveVertexCounts", "int[]", UsdValue::Ints(set.counts.clone())),
+        attribute("points", "point3f[]", UsdValue::Vec3fs(set.points.clone())),
         widths(set),
     ];
     if set.purpose == Purpose::Guide {
@@ -314,7 +316,7 @@ fn curves<'a>(
     }
     // Without points there is nothing to bound, and OpenUSD would write an inside-out box.
     if let Some(extent) = shape.extent {
-        properties.push(attribute("extent", "float3[]", Value::Vec3fs(extent.to_vec().into())));
+        properties.push(attribute("extent", "float3[]", UsdValue::Vec3fs(extent.to_vec().into())));
     }
     let mut names = BTreeSet::new();
     for primvar in &set.primvars {
@@ -322,138 +324,138 @@ fn curves<'a>(
         let name = unique(primvar_name(&primvar.name), |name| names.contains(name));
         names.insert(name.clone());
         if let PrimvarValues::Named(_, indices) = &primvar.values {
-            let indices = Value::Ints(indices.clone());
+            let indices = UsdValue::Ints(indices.clone());
             properties.push(attribute(&format!("primvars:{name}:indices"), "int[]", indices));
         }
         properties.push(primvar_attribute(primvar, name));
     }
     let targets = vec![material.to_owned()];
-    properties.push(Property::Relationship { name: "material:binding", targets });
+    properties.push(PropertySpec::Relationship { name: "material:binding", targets });
     let mut fields =
-        vec![("apiSchemas", Value::TokensPrepended(vec!["MaterialBindingAPI".into()]))];
+        vec![("apiSchemas", UsdValue::TokensPrepended(vec!["MaterialBindingAPI".into()]))];
     fields.extend(display_name(&set.name, &name));
-    Ok(Prim { name, type_name: "BasisCurves", fields, properties, children: Vec::new() })
+    Ok(PrimSpec { name, type_name: "BasisCurves", fields, properties, children: Vec::new() })
 }
 
 /// The name as it was given, where an identifier cannot hold it.
-fn display_name<'a>(given: &str, name: &str) -> Option<Field<'a>> {
+fn display_name<'a>(given: &str, name: &str) -> Option<MetadataField<'a>> {
     (given != name && !given.is_empty())
-        .then(|| ("displayName", Value::String(given.replace(char::is_control, "_"))))
+        .then(|| ("displayName", UsdValue::String(given.replace(char::is_control, "_"))))
 }
 
-fn mesh<'a>(skin: &Skin<'a>, name: String) -> Prim<'a> {
+fn mesh<'a>(skin: &SkinMesh<'a>, name: String) -> PrimSpec<'a> {
     let corners: &[i32] = bytemuck::cast_slice(skin.triangles.as_flattened());
     let three = vec![3i32; skin.triangles.len()];
     let mut properties = vec![
         uniform_token("subdivisionScheme", "none"),
-        attribute("faceVertexCounts", "int[]", Value::Ints(three.into())),
-        attribute("faceVertexIndices", "int[]", Value::Ints(corners.into())),
-        attribute("points", "point3f[]", Value::Vec3fs(skin.points.into())),
+        attribute("faceVertexCounts", "int[]", UsdValue::Ints(three.into())),
+        attribute("faceVertexIndices", "int[]", UsdValue::Ints(corners.into())),
+        attribute("points", "point3f[]", UsdValue::Vec3fs(skin.points.into())),
     ];
     if !skin.points.is_empty() {
         let [low, high] = extent(&skin.points.into(), 0.0);
-        properties.push(attribute("extent", "float3[]", Value::Vec3fs(vec![low, high].into())));
+        properties.push(attribute("extent", "float3[]", UsdValue::Vec3fs(vec![low, high].into())));
     }
     if let Some(uvs) = skin.uvs {
-        properties.push(Property::Attribute(Attribute {
+        properties.push(PropertySpec::Attribute(AttributeSpec {
             name: "primvars:st".into(),
             type_name: "texCoord2f[]",
-            default: Some(Value::Vec2fs(uvs.as_flattened().into())),
+            default: Some(UsdValue::Vec2fs(uvs.as_flattened().into())),
             interpolation: Some("faceVarying"),
-            ..Attribute::default()
+            ..AttributeSpec::default()
         }));
     }
-    Prim { name, type_name: "Mesh", properties, ..Prim::default() }
+    PrimSpec { name, type_name: "Mesh", properties, ..PrimSpec::default() }
 }
 
-fn widths<'a>(set: &'a CurveSet<'a>) -> Property<'a> {
+fn widths<'a>(set: &'a CurveSet<'a>) -> PropertySpec<'a> {
     let (values, interpolation) = match &set.widths {
         Widths::Constant(width) => (vec![*width].into(), Interpolation::Constant),
         Widths::Vertex(widths) => (widths.clone(), Interpolation::Vertex),
     };
-    Property::Attribute(Attribute {
+    PropertySpec::Attribute(AttributeSpec {
         name: "widths".into(),
         type_name: "float[]",
-        default: Some(Value::Floats(values)),
+        default: Some(UsdValue::Floats(values)),
         interpolation: Some(interpolation.name()),
-        ..Attribute::default()
+        ..AttributeSpec::default()
     })
 }
 
-fn primvar_attribute<'a>(primvar: &'a Primvar<'a>, name: String) -> Property<'a> {
+fn primvar_attribute<'a>(primvar: &'a Primvar<'a>, name: String) -> PropertySpec<'a> {
     let (type_name, value) = match &primvar.values {
-        PrimvarValues::Int(values) => ("int[]", Value::Ints(values.clone())),
-        PrimvarValues::Int64(values) => ("int64[]", Value::Int64s(values.clone())),
-        PrimvarValues::Float(values) => ("float[]", Value::Floats(values.clone())),
-        PrimvarValues::TexCoord(values) => ("texCoord2f[]", Value::Vec2fs(values.clone())),
-        PrimvarValues::Vector(values) => ("float3[]", Value::Vec3fs(values.clone())),
-        PrimvarValues::Color(values) => ("color3f[]", Value::Vec3fs(values.clone())),
-        PrimvarValues::Point(values) => ("point3f[]", Value::Vec3fs(values.clone())),
+        PrimvarValues::Int(values) => ("int[]", UsdValue::Ints(values.clone())),
+        PrimvarValues::Int64(values) => ("int64[]", UsdValue::Int64s(values.clone())),
+        PrimvarValues::Float(values) => ("float[]", UsdValue::Floats(values.clone())),
+        PrimvarValues::TexCoord(values) => ("texCoord2f[]", UsdValue::Vec2fs(values.clone())),
+        PrimvarValues::Vector(values) => ("float3[]", UsdValue::Vec3fs(values.clone())),
+        PrimvarValues::Color(values) => ("color3f[]", UsdValue::Vec3fs(values.clone())),
+        PrimvarValues::Point(values) => ("point3f[]", UsdValue::Vec3fs(values.clone())),
         PrimvarValues::Text(values) | PrimvarValues::Named(values, _) => {
-            ("string[]", Value::Strings(values.clone()))
+            ("string[]", UsdValue::Strings(values.clone()))
         }
     };
-    Property::Attribute(Attribute {
+    PropertySpec::Attribute(AttributeSpec {
         name: format!("primvars:{name}"),
         type_name,
         default: Some(value),
         interpolation: Some(primvar.interpolation.name()),
-        ..Attribute::default()
+        ..AttributeSpec::default()
     })
 }
 
 /// A material that every renderer knows: UsdPreviewSurface with the colour of each point, where the curves have colours.
-fn material<'a>(name: String, path: &str, set: &CurveSet) -> Prim<'a> {
+fn material<'a>(name: String, path: &str, set: &CurveSet) -> PrimSpec<'a> {
     /// Hair is glossy; a preview surface has no better model for it than a medium roughness.
     const ROUGHNESS: f32 = 0.4;
     let output = |connections| {
-        Property::Attribute(Attribute {
+        PropertySpec::Attribute(AttributeSpec {
             name: "outputs:surface".into(),
             type_name: "token",
             connections,
-            ..Attribute::default()
+            ..AttributeSpec::default()
         })
     };
     let has_colours = set.primvars.iter().any(|primvar| primvar.name == COLOURS);
-    let diffuse = Attribute {
+    let diffuse = AttributeSpec {
         name: "inputs:diffuseColor".into(),
         type_name: "color3f",
         // What reads no primvars shows the mean.
-        default: Some(Value::Vec3f(set.color)),
+        default: Some(UsdValue::Vec3f(set.color)),
         connections: match has_colours {
             true => vec![format!("{path}/Colour.outputs:result")],
             false => vec![],
         },
-        ..Attribute::default()
+        ..AttributeSpec::default()
     };
-    let reader = Prim {
+    let reader = PrimSpec {
         name: "Colour".into(),
         type_name: "Shader",
         properties: vec![
             uniform_token("info:id", "UsdPrimvarReader_float3"),
-            attribute("inputs:varname", "string", Value::String(COLOURS.into())),
-            attribute("inputs:fallback", "float3", Value::Vec3f(set.color)),
-            Property::Attribute(Attribute {
+            attribute("inputs:varname", "string", UsdValue::String(COLOURS.into())),
+            attribute("inputs:fallback", "float3", UsdValue::Vec3f(set.color)),
+            PropertySpec::Attribute(AttributeSpec {
                 name: "outputs:result".into(),
                 type_name: "float3",
-                ..Attribute::default()
+                ..AttributeSpec::default()
             }),
         ],
-        ..Prim::default()
+        ..PrimSpec::default()
     };
     let fields = display_name(&set.name, &name).into_iter().collect();
-    let shader = Prim {
+    let shader = PrimSpec {
         name: "Surface".into(),
         type_name: "Shader",
         properties: vec![
             uniform_token("info:id", "UsdPreviewSurface"),
-            Property::Attribute(diffuse),
-            attribute("inputs:roughness", "float", Value::Float(ROUGHNESS)),
+            PropertySpec::Attribute(diffuse),
+            attribute("inputs:roughness", "float", UsdValue::Float(ROUGHNESS)),
             output(vec![]),
         ],
-        ..Prim::default()
+        ..PrimSpec::default()
     };
-    Prim {
+    PrimSpec {
         name,
         type_name: "Material",
         properties: vec![output(vec![format!("{path}/Surface.outputs:surface")])],
@@ -465,34 +467,34 @@ fn material<'a>(name: String, path: &str, set: &CurveSet) -> Prim<'a> {
 /// The primvar that materials show.
 const COLOURS: &str = "displayColor";
 
-fn attribute<'a>(name: &str, type_name: &'static str, value: Value<'a>) -> Property<'a> {
-    Property::Attribute(Attribute {
+fn attribute<'a>(name: &str, type_name: &'static str, value: UsdValue<'a>) -> PropertySpec<'a> {
+    PropertySpec::Attribute(AttributeSpec {
         name: name.into(),
         type_name,
         default: Some(value),
-        ..Attribute::default()
+        ..AttributeSpec::default()
     })
 }
 
-fn uniform_token<'a>(name: &str, token: &str) -> Property<'a> {
-    Property::Attribute(Attribute {
+fn uniform_token<'a>(name: &str, token: &str) -> PropertySpec<'a> {
+    PropertySpec::Attribute(AttributeSpec {
         name: name.into(),
         type_name: "token",
         variability: Variability::Uniform,
-        default: Some(Value::Token(token.into())),
-        ..Attribute::default()
+        default: Some(UsdValue::Token(token.into())),
+        ..AttributeSpec::default()
     })
 }
 
 /// A curve set that has been checked: how many there are and where.
-pub(in super::super) struct Shape {
+pub(in super::super) struct CheckedCurves {
     curves: usize,
     points: usize,
     /// Lowest and highest corner, grown by half the largest width. `None` without points.
     extent: Option<[Vec3; 2]>,
 }
 
-impl Shape {
+impl CheckedCurves {
     pub(in super::super) fn of(set: &CurveSet) -> Result<Self, FormatError> {
         let points = checked_points(set)?;
         let widest = checked_widths(set, points)?;

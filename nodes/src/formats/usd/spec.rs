@@ -8,36 +8,36 @@ use glam::{Vec2, Vec3};
 
 /// One layer: its metadata and root prims.
 #[derive(Clone, Debug, Default)]
-pub struct Layer<'a> {
+pub struct UsdLayer<'a> {
     /// Metadata in file order: `defaultPrim`, `documentation`, `metersPerUnit`…
-    pub fields: Vec<Field<'a>>,
+    pub fields: Vec<MetadataField<'a>>,
     /// Root prims in order.
-    pub prims: Vec<Prim<'a>>,
+    pub prims: Vec<PrimSpec<'a>>,
 }
 
 /// A metadata field: its name in crate files and its value.
-pub type Field<'a> = (&'static str, Value<'a>);
+pub type MetadataField<'a> = (&'static str, UsdValue<'a>);
 
 /// A prim defined with `def`.
 #[derive(Clone, Debug, Default)]
-pub struct Prim<'a> {
+pub struct PrimSpec<'a> {
     /// A USD identifier, unique among its siblings.
     pub name: String,
     /// Schema name such as `BasisCurves`; empty for a typeless prim.
     pub type_name: &'static str,
     /// Metadata beside the type: `kind`, `apiSchemas`…
-    pub fields: Vec<Field<'a>>,
+    pub fields: Vec<MetadataField<'a>>,
     /// Attributes and relationships in order.
-    pub properties: Vec<Property<'a>>,
+    pub properties: Vec<PropertySpec<'a>>,
     /// Child prims in order.
-    pub children: Vec<Prim<'a>>,
+    pub children: Vec<PrimSpec<'a>>,
 }
 
 /// What a prim holds beside its children.
 #[derive(Clone, Debug)]
-pub enum Property<'a> {
+pub enum PropertySpec<'a> {
     /// A typed value.
-    Attribute(Attribute<'a>),
+    Attribute(AttributeSpec<'a>),
     /// Paths of other prims or properties.
     Relationship {
         /// Property name, for example `material:binding`.
@@ -47,7 +47,7 @@ pub enum Property<'a> {
     },
 }
 
-impl Property<'_> {
+impl PropertySpec<'_> {
     /// The property's name.
     pub fn name(&self) -> &str {
         match self {
@@ -59,7 +59,7 @@ impl Property<'_> {
 
 /// An attribute: declared, with a value, sampled over time, or connected.
 #[derive(Clone, Debug, Default)]
-pub struct Attribute<'a> {
+pub struct AttributeSpec<'a> {
     /// Name with namespaces, for example `primvars:displayColor`.
     pub name: String,
     /// Value type name, for example `color3f[]`. It must fit `default`.
@@ -67,9 +67,9 @@ pub struct Attribute<'a> {
     /// Whether the value may vary over time.
     pub variability: Variability,
     /// The value outside time.
-    pub default: Option<Value<'a>>,
+    pub default: Option<UsdValue<'a>>,
     /// Values by time code, in rising order of time. Empty: not animated.
-    pub samples: Vec<(f64, Value<'a>)>,
+    pub samples: Vec<(f64, UsdValue<'a>)>,
     /// How a primvar spreads over the curves: `constant`, `uniform`, `vertex`.
     pub interpolation: Option<&'static str>,
     /// Absolute paths in this layer of the attributes that drive this one.
@@ -88,7 +88,7 @@ pub enum Variability {
 
 /// A value of one of the types that grooms need.
 #[derive(Clone, Debug)]
-pub enum Value<'a> {
+pub enum UsdValue<'a> {
     /// `bool`
     Bool(bool),
     /// `int`
@@ -128,10 +128,10 @@ pub enum Value<'a> {
     /// Tokens put before those of weaker layers, for example `prepend apiSchemas = […]`.
     TokensPrepended(Vec<String>),
     /// Values named by USD identifiers, in rising order of name.
-    Dictionary(Vec<(&'static str, Value<'a>)>),
+    Dictionary(Vec<(&'static str, UsdValue<'a>)>),
 }
 
-impl Value<'_> {
+impl UsdValue<'_> {
     /// The name that declares a value of this type in a dictionary, where no attribute does.
     pub(super) fn type_name(&self) -> &'static str {
         match self {

@@ -4,7 +4,10 @@
 //! (floats are written with the fewest digits that do so), but for the payload of NaNs.
 
 use super::super::{Chunks, FormatError};
-use super::spec::{Attribute, Field, Layer, Prim, Property, Value, Variability, check_text};
+use super::spec::{
+    AttributeSpec, MetadataField, PrimSpec, PropertySpec, UsdLayer, UsdValue, Variability,
+    check_text,
+};
 use glam::{Vec2, Vec3};
 use std::fmt::Write as _;
 use std::io::Write;
@@ -16,7 +19,7 @@ const BUFFER: usize = 1 << 18;
 ///
 /// # Errors
 /// The output failed, or a text holds a NUL.
-pub fn write(layer: &Layer, out: &mut (impl Write + ?Sized)) -> Result<(), FormatError> {
+pub fn write(layer: &UsdLayer, out: &mut (impl Write + ?Sized)) -> Result<(), FormatError> {
     let mut text = TextWriter { out, buffer: String::with_capacity(BUFFER + 64), depth: 0 };
     text.layer(layer)?;
     text.hand_on()?;
@@ -57,7 +60,7 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         (0..self.depth + levels).try_for_each(|_| self.put("    "))
     }
 
-    fn layer(&mut self, layer: &Layer) -> Done {
+    fn layer(&mut self, layer: &UsdLayer) -> Done {
         self.put("#usda 1.0\n")?;
         self.metadata(&layer.fields)?;
         self.put("\n")?;
@@ -68,7 +71,7 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         Ok(())
     }
 
-    fn prim(&mut self, prim: &Prim) -> Done {
+    fn prim(&mut self, prim: &PrimSpec) -> Done {
         self.indent(0)?;
         self.put("def ")?;
         if !prim.type_name.is_empty() {
@@ -98,11 +101,11 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         self.put("}\n")
     }
 
-    fn metadata(&mut self, fields: &[Field]) -> Done {
+    fn metadata(&mut self, fields: &[MetadataField]) -> Done {
         self.put("(\n")?;
         for (name, value) in fields {
             self.indent(1)?;
-            if matches!(value, Value::TokensPrepended(_)) {
+            if matches!(value, UsdValue::TokensPrepended(_)) {
                 self.put("prepend ")?;
             }
             // The one field whose name differs between the two forms of the file.
@@ -115,10 +118,10 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         self.put(")")
     }
 
-    fn property(&mut self, property: &Property) -> Done {
+    fn property(&mut self, property: &PropertySpec) -> Done {
         match property {
-            Property::Attribute(attribute) => self.attribute(attribute),
-            Property::Relationship { name, targets } => {
+            PropertySpec::Attribute(attribute) => self.attribute(attribute),
+            PropertySpec::Relationship { name, targets } => {
                 self.indent(0)?;
                 self.put("rel ")?;
                 self.put(name)?;
@@ -130,7 +133,7 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
     }
 
     /// One line for each of default value, time samples and connections, or one that declares.
-    fn attribute(&mut self, attribute: &Attribute) -> Done {
+    fn attribute(&mut self, attribute: &AttributeSpec) -> Done {
         let only_declared = attribute.samples.is_empty() && attribute.connections.is_empty();
         if attribute.default.is_some() || only_declared {
             self.declaration(attribute)?;
@@ -160,7 +163,7 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         Ok(())
     }
 
-    fn declaration(&mut self, attribute: &Attribute) -> Done {
+    fn declaration(&mut self, attribute: &AttributeSpec) -> Done {
         self.indent(0)?;
         if attribute.variability == Variability::Uniform {
             self.put("uniform ")?;
@@ -170,7 +173,7 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         self.put(&attribute.name)
     }
 
-    fn interpolation(&mut self, attribute: &Attribute) -> Done {
+    fn interpolation(&mut self, attribute: &AttributeSpec) -> Done {
         match attribute.interpolation {
             Some(interpolation) => {
                 self.put(" (\n")?;
@@ -185,7 +188,7 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         }
     }
 
-    fn samples(&mut self, samples: &[(f64, Value)]) -> Done {
+    fn samples(&mut self, samples: &[(f64, UsdValue)]) -> Done {
         self.put("{\n")?;
         for (time, value) in samples {
             self.indent(1)?;
@@ -211,32 +214,34 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         self.put(">")
     }
 
-    fn value(&mut self, value: &Value) -> Done {
+    fn value(&mut self, value: &UsdValue) -> Done {
         match value {
-            Value::Bool(value) => self.put(if *value { "true" } else { "false" }),
-            Value::Int(value) => self.number(*value),
-            Value::Int64(value) => self.number(*value),
-            Value::UInt64(value) => self.number(*value),
-            Value::Float(value) => self.float(*value),
-            Value::Double(value) => self.double(*value),
-            Value::String(text) | Value::Token(text) => self.text(text),
-            Value::Asset(path) => {
+            UsdValue::Bool(value) => self.put(if *value { "true" } else { "false" }),
+            UsdValue::Int(value) => self.number(*value),
+            UsdValue::Int64(value) => self.number(*value),
+            UsdValue::UInt64(value) => self.number(*value),
+            UsdValue::Float(value) => self.float(*value),
+            UsdValue::Double(value) => self.double(*value),
+            UsdValue::String(text) | UsdValue::Token(text) => self.text(text),
+            UsdValue::Asset(path) => {
                 let quote = if path.contains('@') { "@@@" } else { "@" };
                 self.put(quote)?;
                 self.put(check_text(path)?)?;
                 self.put(quote)
             }
-            Value::Vec2f(value) => self.vec2(*value),
-            Value::Vec3f(value) => self.vec3(*value),
-            Value::Ints(values) => self.array(values, |text, &value| text.number(value)),
-            Value::Int64s(values) => self.array(values, |text, &value| text.number(value)),
-            Value::Floats(values) => self.array(values, |text, &value| text.float(value)),
-            Value::Vec2fs(values) => self.array(values, |text, &value| text.vec2(value)),
-            Value::Vec3fs(values) => self.array(values, |text, &value| text.vec3(value)),
-            Value::Tokens(texts) | Value::Strings(texts) | Value::TokensPrepended(texts) => {
+            UsdValue::Vec2f(value) => self.vec2(*value),
+            UsdValue::Vec3f(value) => self.vec3(*value),
+            UsdValue::Ints(values) => self.array(values, |text, &value| text.number(value)),
+            UsdValue::Int64s(values) => self.array(values, |text, &value| text.number(value)),
+            UsdValue::Floats(values) => self.array(values, |text, &value| text.float(value)),
+            UsdValue::Vec2fs(values) => self.array(values, |text, &value| text.vec2(value)),
+            UsdValue::Vec3fs(values) => self.array(values, |text, &value| text.vec3(value)),
+            UsdValue::Tokens(texts)
+            | UsdValue::Strings(texts)
+            | UsdValue::TokensPrepended(texts) => {
                 self.list(texts.iter(), |text, value| text.text(value))
             }
-            Value::Dictionary(entries) => self.dictionary(entries),
+            UsdValue::Dictionary(entries) => self.dictionary(entries),
         }
     }
 
@@ -259,7 +264,7 @@ impl<W: Write + ?Sized> TextWriter<'_, W> {
         self.put("]")
     }
 
-    fn dictionary(&mut self, entries: &[(&'static str, Value)]) -> Done {
+    fn dictionary(&mut self, entries: &[(&'static str, UsdValue)]) -> Done {
         self.put("{\n")?;
         self.depth += 1;
         for (name, value) in entries {

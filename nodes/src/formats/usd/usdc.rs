@@ -17,7 +17,10 @@ use super::super::{Chunks, FormatError};
 use super::coding::{
     ARRAY, COMPRESSED, INLINED, PAYLOAD, Width, kind, lz4_pack, pack_ints, spec_kind,
 };
-use super::spec::{Attribute, Field, Layer, Prim, Property, Value, Variability, check_text};
+use super::spec::{
+    AttributeSpec, MetadataField, PrimSpec, PropertySpec, UsdLayer, UsdValue, Variability,
+    check_text,
+};
 use bytemuck::NoUninit;
 use std::collections::HashMap;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
@@ -36,7 +39,7 @@ const BUFFER: usize = 1 << 18;
 /// # Errors
 /// The output failed, a text holds a NUL, a relationship or connection points outside the layer, or
 /// there is more than a crate file can count.
-pub fn write(layer: &Layer, out: &mut (impl Write + Seek)) -> Result<(), FormatError> {
+pub fn write(layer: &UsdLayer, out: &mut (impl Write + Seek)) -> Result<(), FormatError> {
     let start = out.stream_position()?;
     let mut crate_file = CrateWriter::new(BufWriter::with_capacity(BUFFER, &mut *out));
     crate_file.put(&[0; HEADER])?;
@@ -164,7 +167,7 @@ impl<W: Write> CrateWriter<W> {
     // ---- paths -------------------------------------------------------------------------------
 
     /// Numbers every path of the layer, parents first, and builds the tree section.
-    fn number_paths(&mut self, layer: &Layer) -> Result<(), FormatError> {
+    fn number_paths(&mut self, layer: &UsdLayer) -> Result<(), FormatError> {
         let root = self.path_entry("/", 0)?;
         for (index, prim) in layer.prims.iter().enumerate() {
             self.number_prim(prim, "", index + 1 < layer.prims.len())?;
@@ -175,7 +178,7 @@ impl<W: Write> CrateWriter<W> {
 
     fn number_prim(
         &mut self,
-        prim: &Prim,
+        prim: &PrimSpec,
         parent: &str,
         has_sibling: bool,
     ) -> Result<(), FormatError> {
@@ -217,14 +220,14 @@ impl<W: Write> CrateWriter<W> {
 
     // ---- specs and fields --------------------------------------------------------------------
 
-    fn layer(&mut self, layer: &Layer) -> Result<(), FormatError> {
+    fn layer(&mut self, layer: &UsdLayer) -> Result<(), FormatError> {
         let mut fields = self.fields(&layer.fields)?;
         self.name_list("primChildren", layer.prims.iter().map(|p| p.name.as_str()), &mut fields)?;
         self.spec("/", spec_kind::LAYER, fields)?;
         layer.prims.iter().try_for_each(|prim| self.prim(prim, ""))
     }
 
-    fn prim(&mut self, prim: &Prim, parent: &str) -> Result<(), FormatError> {
+    fn prim(&mut self, prim: &PrimSpec, parent: &str) -> Result<(), FormatError> {
         let path = format!("{parent}/{}", prim.name);
         let mut fields = Vec::new();
         self.field("specifier", Self::inlined(kind::SPECIFIER, 0), &mut fields)?;
@@ -234,7 +237,7 @@ impl<W: Write> CrateWriter<W> {
         fields.extend(self.fields(&prim.fields)?);
         let (children, properties) = (prim.children.iter(), prim.properties.iter());
         self.name_list("primChildren", children.map(|p| p.name.as_str()), &mut fields)?;
-        self.name_list("properties", properties.map(Property::name), &mut fields)?;
+        self.name_list("properties", properties.map(PropertySpec::name), &mut fields)?;
         self.spec(&path, spec_kind::PRIM, fields)?;
         for property in &prim.properties {
             self.property(property, &path)?;
@@ -242,14 +245,14 @@ impl<W: Write> CrateWriter<W> {
         prim.children.iter().try_for_each(|child| self.prim(child, &path))
     }
 
-    fn property(&mut self, property: &Property, prim: &str) -> Result<(), FormatError> {
+    fn property(&mut self, property: &PropertySpec, prim: &str) -> Result<(), FormatError> {
         let path = format!("{prim}.{}", property.name());
         match property {
-            Property::Attribute(attribute) => {
+            PropertySpec::Attribute(attribute) => {
                 let fields = self.attribute(attribute)?;
                 self.spec(&path, spec_kind::ATTRIBUTE, fields)
             }
-            Property::Relationship { targets, .. } => {
+            PropertySpec::Relationship { targets, .. } => {
                 let mut fields = Vec::new();
                 // OpenUSD calls every relationship uniform.
                 self.field("variability", Self::inlined(kind::VARIABILITY, 1), &mut fields)?;
@@ -260,7 +263,7 @@ impl<W: Write> CrateWriter<W> {
         }
     }
 
-    fn attribute(&mut self, attribute: &Attribute) -> Result<Vec<u32>, FormatError> {
+    fn attribute(&mut self, attribute: &AttributeSpec) -> Result<Vec<u32>, FormatError> {
         let mut fields = Vec::new();
         self.token_field("typeName", attribute.type_name, &mut fields)?;
         if attribute.variability == Variability::Uniform {
@@ -295,7 +298,7 @@ impl<W: Write> CrateWriter<W> {
         Ok(())
     }
 
-    fn fields(&mut self, fields: &[Field]) -> Result<Vec<u32>, FormatError> {
+    fn fields(&mut self, fields: &[MetadataField]) -> Result<Vec<u32>, FormatError> {
         let mut numbers = Vec::new();
         for (name, value) in fields {
             let value = self.value(value)?;
@@ -351,42 +354,42 @@ impl<W: Write> CrateWriter<W> {
     }
 
     /// Writes a value where it does not fit its representation, which is returned.
-    fn value(&mut self, value: &Value) -> Result<u64, FormatError> {
+    fn value(&mut self, value: &UsdValue) -> Result<u64, FormatError> {
         Ok(match value {
-            Value::Bool(value) => Self::inlined(kind::BOOL, *value as u32),
-            Value::Int(value) => Self::inlined(kind::INT, *value as u32),
-            Value::Int64(value) => match i32::try_from(*value) {
+            UsdValue::Bool(value) => Self::inlined(kind::BOOL, *value as u32),
+            UsdValue::Int(value) => Self::inlined(kind::INT, *value as u32),
+            UsdValue::Int64(value) => match i32::try_from(*value) {
                 Ok(short) => Self::inlined(kind::INT64, short as u32),
                 Err(_) => self.scalar(kind::INT64, value)?,
             },
-            Value::UInt64(value) => match u32::try_from(*value) {
+            UsdValue::UInt64(value) => match u32::try_from(*value) {
                 Ok(short) => Self::inlined(kind::UINT64, short),
                 Err(_) => self.scalar(kind::UINT64, value)?,
             },
-            Value::Float(value) => Self::inlined(kind::FLOAT, value.to_bits()),
+            UsdValue::Float(value) => Self::inlined(kind::FLOAT, value.to_bits()),
             // A double that a float holds exactly is stored as that float.
-            Value::Double(value) if (*value as f32) as f64 == *value => {
+            UsdValue::Double(value) if (*value as f32) as f64 == *value => {
                 Self::inlined(kind::DOUBLE, (*value as f32).to_bits())
             }
-            Value::Double(value) => self.scalar(kind::DOUBLE, value)?,
-            Value::String(text) => Self::inlined(kind::STRING, self.string(text)?),
-            Value::Token(text) => Self::inlined(kind::TOKEN, self.token(text)?),
-            Value::Asset(path) => Self::inlined(kind::ASSET, self.token(path)?),
-            Value::Vec2f(value) => self.scalar(kind::VEC2F, value)?,
-            Value::Vec3f(value) => self.scalar(kind::VEC3F, value)?,
-            Value::Ints(values) => {
+            UsdValue::Double(value) => self.scalar(kind::DOUBLE, value)?,
+            UsdValue::String(text) => Self::inlined(kind::STRING, self.string(text)?),
+            UsdValue::Token(text) => Self::inlined(kind::TOKEN, self.token(text)?),
+            UsdValue::Asset(path) => Self::inlined(kind::ASSET, self.token(path)?),
+            UsdValue::Vec2f(value) => self.scalar(kind::VEC2F, value)?,
+            UsdValue::Vec3f(value) => self.scalar(kind::VEC3F, value)?,
+            UsdValue::Ints(values) => {
                 self.int_array(kind::INT, values, Width::Bits32, |&value| value as i64)?
             }
-            Value::Int64s(values) => {
+            UsdValue::Int64s(values) => {
                 self.int_array(kind::INT64, values, Width::Bits64, |&value| value)?
             }
-            Value::Floats(values) => self.float_array(values)?,
-            Value::Vec2fs(values) => self.array(kind::VEC2F, values)?,
-            Value::Vec3fs(values) => self.array(kind::VEC3F, values)?,
-            Value::Tokens(texts) => self.text_array(kind::TOKEN, texts, Self::token)?,
-            Value::Strings(texts) => self.text_array(kind::STRING, texts, Self::string)?,
-            Value::TokensPrepended(texts) => self.prepended(texts)?,
-            Value::Dictionary(entries) => self.dictionary(entries)?,
+            UsdValue::Floats(values) => self.float_array(values)?,
+            UsdValue::Vec2fs(values) => self.array(kind::VEC2F, values)?,
+            UsdValue::Vec3fs(values) => self.array(kind::VEC3F, values)?,
+            UsdValue::Tokens(texts) => self.text_array(kind::TOKEN, texts, Self::token)?,
+            UsdValue::Strings(texts) => self.text_array(kind::STRING, texts, Self::string)?,
+            UsdValue::TokensPrepended(texts) => self.prepended(texts)?,
+            UsdValue::Dictionary(entries) => self.dictionary(entries)?,
         })
     }
 
@@ -481,7 +484,7 @@ impl<W: Write> CrateWriter<W> {
     }
 
     /// Entries' values first, so that each representation follows its 8-byte jump directly.
-    fn dictionary(&mut self, entries: &[(&'static str, Value)]) -> Result<u64, FormatError> {
+    fn dictionary(&mut self, entries: &[(&'static str, UsdValue)]) -> Result<u64, FormatError> {
         let mut packed = Vec::with_capacity(entries.len());
         for (name, value) in entries {
             packed.push((self.string(name)?, self.value(value)?));
@@ -497,7 +500,7 @@ impl<W: Write> CrateWriter<W> {
     }
 
     /// Values first, then `jump 8, times, jump 8, count, values` with representations for both.
-    fn samples(&mut self, samples: &[(f64, Value)]) -> Result<u64, FormatError> {
+    fn samples(&mut self, samples: &[(f64, UsdValue)]) -> Result<u64, FormatError> {
         let mut values = Vec::with_capacity(samples.len());
         for (_, value) in samples {
             values.push(self.value(value)?);

@@ -1,10 +1,10 @@
 //! Messages and behaviour for meshes that are not plain heads: inverted parts, two heads, flat things, things worn.
 
 use super::laws::{adult, bust_shape, named, on_the_bust};
-use super::worn::Shape;
+use super::worn::WornMesh;
 use super::*;
 
-fn said(shapes: &[(&str, &Shape)]) -> (Arc<Scalp>, Vec<String>) {
+fn said(shapes: &[(&str, &WornMesh)]) -> (Arc<Scalp>, Vec<String>) {
     adult(&[("mesh", named(shapes, |p| p))])
 }
 
@@ -15,12 +15,12 @@ fn says(said: &[String], parts: &[&str]) {
 
 #[test]
 fn a_part_that_is_inside_out_is_turned_and_named() {
-    let turned = |mut shape: Shape| {
+    let turned = |mut shape: WornMesh| {
         shape.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         shape
     };
-    // (Balls of [`Shape`] show their inside.)
-    let bun = turned(Shape::ball(Vec3::new(0.0, -4.0, -16.0), Vec3::splat(6.0)));
+    // (Balls of [`WornMesh`] show their inside.)
+    let bun = turned(WornMesh::ball(Vec3::new(0.0, -4.0, -16.0), Vec3::splat(6.0)));
     let bust = bust_shape();
     let whole = said(&[("Head", &bust), ("Bun", &bun)]).0;
     for (head, other, name) in [
@@ -59,7 +59,7 @@ fn a_second_head_is_told_with_what_to_do() {
 #[test]
 fn a_flat_mesh_is_measured_across() {
     // 1000 units across and flat: mm, 1 m across, and not 1 km.
-    let sheet = Shape {
+    let sheet = WornMesh {
         points: [(0.0, 0.0), (1000.0, 0.0), (1000.0, 800.0), (0.0, 800.0)]
             .map(|(x, z)| Vec3::new(x, 0.0, z))
             .to_vec(),
@@ -84,7 +84,7 @@ fn glasses_do_not_stand_over_the_crown() {
 fn many_parts_that_are_no_heads_cost_no_more_than_a_head_does() {
     // Balls in a heap: each has a cranium, and none has a face. With each of six axes up, each was once examined as
     // closely as a head.
-    let spent = |shape: &Shape| {
+    let spent = |shape: &WornMesh| {
         let pieces = Pieces::of(&shape.points, &shape.triangles);
         let mut search = Search::new(&shape.points, &shape.triangles, &pieces);
         for up in Up::ALL {
@@ -94,8 +94,9 @@ fn many_parts_that_are_no_heads_cost_no_more_than_a_head_does() {
         search.spent()
     };
     let at = |k: i32| Vec3::new((k % 5) as f32, (k / 5) as f32, (k % 3) as f32) * 25.0;
-    let heap = (0..20)
-        .fold(Shape::default(), |heap, k| heap.and(&Shape::ball(at(k), Vec3::new(8.0, 9.0, 8.5))));
+    let heap = (0..20).fold(WornMesh::default(), |heap, k| {
+        heap.and(&WornMesh::ball(at(k), Vec3::new(8.0, 9.0, 8.5)))
+    });
     let (heap, head) = (spent(&heap), spent(&bust_shape()));
     assert!(heap < 4 * head, "{heap} {head}");
 }

@@ -1,6 +1,6 @@
 //! Guarantees of the head node, on real heads and on synthetic ones.
 
-use super::worn::{KINDS, Shape, way, worn};
+use super::worn::{KINDS, WornMesh, way, worn};
 use super::*;
 use crate::define::Value;
 use crate::maths::hash::Dice;
@@ -336,18 +336,18 @@ fn what_is_wrong_is_named() {
 }
 
 /// The bust as a shape of [`worn`].
-pub(super) fn bust_shape() -> Shape {
+pub(super) fn bust_shape() -> WornMesh {
     let bust = bust::adult();
-    Shape { points: bust.points, triangles: bust.triangles }
+    WornMesh { points: bust.points, triangles: bust.triangles }
 }
 
 /// Something worn, on a head of the bust's size.
-pub(super) fn on_the_bust(kind: u32, id: u64) -> Shape {
+pub(super) fn on_the_bust(kind: u32, id: u64) -> WornMesh {
     worn(kind, Dice::new(7, 0, "worn"), id).placed(|p| p * HEAD_RADIUS)
 }
 
 /// An OBJ file of named shapes.
-pub(super) fn named(shapes: &[(&str, &Shape)], place: impl Fn(Vec3) -> Vec3) -> Value {
+pub(super) fn named(shapes: &[(&str, &WornMesh)], place: impl Fn(Vec3) -> Vec3) -> Value {
     use std::fmt::Write;
     let (mut text, mut n) = (String::new(), 1);
     for (name, shape) in shapes {
@@ -375,7 +375,7 @@ fn check_worn(ids: std::ops::Range<u64>) {
         let hair = hair.take(1 + id as usize / KINDS as usize % 2);
         // Some files have the hair first.
         let (mut all, late) =
-            if id % 2 == 0 { (bust.clone(), None) } else { (Shape::default(), Some(&bust)) };
+            if id % 2 == 0 { (bust.clone(), None) } else { (WornMesh::default(), Some(&bust)) };
         for hair in hair {
             all = all.and(&hair);
         }
@@ -524,7 +524,7 @@ fn a_crown_that_something_stands_on_is_doubted() {
     // A bun at the back in one piece with the head: a triangle leads from one to the other.
     let bust = bust_shape();
     let n = bust.points.len() as u32;
-    let bun = Shape::ball(way(180.0, 10.0) * 1.4, Vec3::splat(0.5));
+    let bun = WornMesh::ball(way(180.0, 10.0) * 1.4, Vec3::splat(0.5));
     let mut all = bust.and(&bun.placed(|p| p * HEAD_RADIUS));
     let nearest = (0..n).min_by(|a, b| {
         let far = |v: u32| all.points[v as usize].distance_squared(all.points[n as usize]);

@@ -9,12 +9,12 @@ use glam::Vec3;
 
 /// Points and triangles.
 #[derive(Clone, Default)]
-pub(super) struct Shape {
+pub(super) struct WornMesh {
     pub(super) points: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-impl Shape {
+impl WornMesh {
     /// The shape with another beside it, which shares no vertex with it.
     pub(super) fn and(mut self, other: &Self) -> Self {
         let n = self.points.len() as u32;
@@ -60,8 +60,8 @@ pub(super) fn way(aside: f32, above: f32) -> Vec3 {
 }
 
 /// A shell over the crown from `low` degrees up, open in front to `side` degrees and up to `top`.
-fn shell(far: f32, low: f32, side: f32, top: f32) -> Shape {
-    Shape::sheet(64, 32, |u, v| {
+fn shell(far: f32, low: f32, side: f32, top: f32) -> WornMesh {
+    WornMesh::sheet(64, 32, |u, v| {
         let (aside, above) = (u * 360.0 - 180.0, low + (90.0 - low) * v);
         let is_open = aside.abs() < side && above < top;
         (!is_open).then(|| way(aside, above) * Vec3::new(0.93, 1.0, 1.06) * far)
@@ -72,9 +72,9 @@ fn shell(far: f32, low: f32, side: f32, top: f32) -> Shape {
 pub(super) const KINDS: u32 = 14;
 
 /// One of each kind, of any size and direction.
-pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
+pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> WornMesh {
     let any = |index: u64, lo: f32, hi: f32| dice.range(id, index, lo, hi);
-    let both = |shape: &dyn Fn(f32) -> Shape| shape(1.0).and(&shape(-1.0));
+    let both = |shape: &dyn Fn(f32) -> WornMesh| shape(1.0).and(&shape(-1.0));
     match kind % KINDS {
         // Buns at the back and on top.
         0 | 1 => {
@@ -82,13 +82,13 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
             let above =
                 if kind.is_multiple_of(KINDS) { any(1, -20.0, 80.0) } else { any(1, 60.0, 90.0) };
             let half = Vec3::new(any(3, 0.7, 1.2), any(4, 0.7, 1.2), any(5, 0.7, 1.2)) * size;
-            Shape::ball(way(any(2, 100.0, 260.0), above) * (1.0 + 0.6 * size), half)
+            WornMesh::ball(way(any(2, 100.0, 260.0), above) * (1.0 + 0.6 * size), half)
         }
         // A ponytail, and two.
         2 => {
             let (aside, wide, long) = (any(0, 110.0, 250.0), any(1, 0.12, 0.4), any(2, 0.8, 3.0));
             let (from, out) = (way(aside, any(3, 0.0, 60.0)) * 1.05, any(4, 0.1, 0.5));
-            Shape::sheet(20, 36, |u, v| {
+            WornMesh::sheet(20, 36, |u, v| {
                 let ((s, c), thick) = (sin_cos_turns(u), wide * (0.15 + sin_cos_turns(0.5 * v).0));
                 let middle =
                     from + way(aside, 0.0) * (out * (3.0 * v).min(1.0)) - Vec3::Y * (long * v * v);
@@ -98,13 +98,13 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
         3 => {
             let (long, wide) = (any(0, 0.6, 2.0), any(1, 0.12, 0.35));
             let half = Vec3::new(wide, 0.6 * long, wide);
-            both(&|side| Shape::ball(Vec3::new(side * 1.15, 0.4 - 0.5 * long, -0.3), half))
+            both(&|side| WornMesh::ball(Vec3::new(side * 1.15, 0.4 - 0.5 * long, -0.3), half))
         }
         // Bangs.
         4 => {
             let (wide, low) = (any(0, 30.0, 80.0), any(1, -10.0, 25.0));
             let (far, bend) = (any(2, 1.02, 1.25), any(3, 0.0, 0.2));
-            Shape::sheet(28, 16, |u, v| {
+            WornMesh::sheet(28, 16, |u, v| {
                 let at = way((2.0 * u - 1.0) * wide, low + (75.0 - low) * v);
                 Some(at * Vec3::new(0.9, 1.0, 1.08) * (far + bend * (1.0 - v)))
             })
@@ -121,7 +121,10 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
         8 => shell(any(0, 1.2, 1.6), any(1, -50.0, -5.0), any(2, 30.0, 70.0), any(3, 5.0, 30.0)),
         9 => {
             let far = any(0, 1.3, 1.6);
-            Shape::ball(Vec3::ZERO, Vec3::new(far, far * any(1, 0.9, 1.3), far * any(2, 1.0, 1.2)))
+            WornMesh::ball(
+                Vec3::ZERO,
+                Vec3::new(far, far * any(1, 0.9, 1.3), far * any(2, 1.0, 1.2)),
+            )
         }
         10 => {
             let (low, wide, high, brim) =
@@ -130,18 +133,19 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
                 let (s, c) = sin_cos_turns(u);
                 Some(Vec3::new(far * s, y, 1.1 * far * c))
             };
-            let side = Shape::sheet(40, 8, |u, v| ring(u, wide, low + high * v));
-            let top = Shape::sheet(40, 6, |u, v| ring(u, wide * (1.0 - v), low + high));
-            side.and(&top).and(&Shape::sheet(40, 6, |u, v| ring(u, wide + (brim - wide) * v, low)))
+            let side = WornMesh::sheet(40, 8, |u, v| ring(u, wide, low + high * v));
+            let top = WornMesh::sheet(40, 6, |u, v| ring(u, wide * (1.0 - v), low + high));
+            side.and(&top)
+                .and(&WornMesh::sheet(40, 6, |u, v| ring(u, wide + (brim - wide) * v, low)))
         }
         // Glasses.
         11 => {
             let (y, z, size) = (any(0, -0.35, 0.1), any(1, 1.0, 1.35), any(2, 0.15, 0.4));
             both(&|side| {
                 let lens =
-                    Shape::ball(Vec3::new(side * 0.38, y, z), Vec3::new(size, 0.8 * size, 0.05));
+                    WornMesh::ball(Vec3::new(side * 0.38, y, z), Vec3::new(size, 0.8 * size, 0.05));
                 let arm = Vec3::new(side * 0.85, y, 0.4);
-                lens.and(&Shape::ball(arm, Vec3::new(0.03, 0.03, z - 0.3)))
+                lens.and(&WornMesh::ball(arm, Vec3::new(0.03, 0.03, z - 0.3)))
             })
         }
         // Cards of hair.
@@ -151,19 +155,20 @@ pub(super) fn worn(kind: u32, dice: Dice, id: u64) -> Shape {
                 let (aside, above) = (any(3 * k + 2, 0.0, 360.0), any(3 * k + 3, 10.0, 90.0));
                 let wide = any(3 * k + 4, 0.03, 0.12);
                 let long = if (60.0..300.0).contains(&aside) { long } else { 0.3 * long };
-                Shape::sheet(2, 10, |u, v| {
+                WornMesh::sheet(2, 10, |u, v| {
                     let out = way(aside, above) * 1.06 + way(aside, 0.0) * (0.6 * v.min(0.4));
                     let across = way(aside + 90.0, 0.0) * (wide * (2.0 * u - 1.0));
                     Some(out - Vec3::Y * (long * v * v) + across)
                 })
             };
-            (0..u64::from(count)).fold(Shape::default(), |all, k| all.and(&card(k)))
+            (0..u64::from(count)).fold(WornMesh::default(), |all, k| all.and(&card(k)))
         }
         // Headphones.
         _ => {
-            let cups =
-                both(&|side| Shape::ball(Vec3::new(side, -0.25, -0.1), Vec3::new(0.2, 0.4, 0.4)));
-            cups.and(&Shape::sheet(8, 40, |u, v| {
+            let cups = both(&|side| {
+                WornMesh::ball(Vec3::new(side, -0.25, -0.1), Vec3::new(0.2, 0.4, 0.4))
+            });
+            cups.and(&WornMesh::sheet(8, 40, |u, v| {
                 let (s, c) = sin_cos(1.6 * (2.0 * v - 1.0));
                 Some(Vec3::new(1.15 * s, 1.15 * c, 0.2 * (u - 0.5)))
             }))

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::maths::hash::Dice;
-use crate::sketch::drawing::{Hand, TICK, arc, bow, coil, spiral, turn, zigzag};
+use crate::sketch::drawing::{DrawingStyle, TICK, arc, bow, coil, spiral, turn, zigzag};
 use crate::sketch::stroke_shape::RHO;
 
 /// Diameter in pixels of a cluster of 1 cm radius in a picture 1000 pixels high.
@@ -63,7 +63,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
     let angle = pick(2, 0.0, 1.0);
     let light = if dice.below(i, 3, 2) == 0 { Layer::Nearest } else { Layer::Through };
     // As fast as its shape allows.
-    let hand = |finest: f32| Hand {
+    let hand = |finest: f32| DrawingStyle {
         spacing: pick(4, 1.0, finest.clamp(1.5, 40.0)),
         tremor: pick(5, 0.0, 2.5),
         noise: pick(6, 0.0, 0.7),
@@ -78,7 +78,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
         2 => bow(size(20.0, 500.0), angle, pick(10, -0.1, 0.1), 0.0, 0.0),
         _ => spiral(size(20.0, 80.0), 100.0, way * 0.8, angle),
     };
-    let stroke = |line: &[Vec2], hand: Hand, around: Around, right: Option<Tool>| Case {
+    let stroke = |line: &[Vec2], hand: DrawingStyle, around: Around, right: Option<Tool>| Case {
         name: format!("{kind} {i}"),
         how: format!("{hand:.1?} {around:?}"),
         samples: hand.draw(line),
@@ -104,7 +104,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
         Case {
             samples,
             before: Some(before),
-            ..stroke(&[Vec2::ZERO], Hand::still(1.0), around, right)
+            ..stroke(&[Vec2::ZERO], DrawingStyle::still(1.0), around, right)
         }
     };
     match kind {
@@ -115,7 +115,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
             let line = coil(radius, pick(16, 0.6, 1.0), angle, turns, pick(17, 0.0, 1.0), drift);
             let hand = hand(radius * 0.6);
             // No hand turns on less than a few times its own tremor.
-            let hand = Hand { tremor: hand.tremor.min(radius * 0.1), ..hand };
+            let hand = DrawingStyle { tremor: hand.tremor.min(radius * 0.1), ..hand };
             stroke(&line, hand, tip, Some(Tool::Twist))
         }
         "circles on the spot" => {
@@ -124,7 +124,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
             let turns = way * (dice.below(i, 14, 5) as f32 + pick(15, 1.6, 2.4));
             let line = coil(radius, pick(16, 0.6, 1.0), angle, turns, pick(17, 0.0, 1.0), drift);
             let hand = hand(radius * 0.6);
-            let hand = Hand { tremor: hand.tremor.min(radius * 0.1), ..hand };
+            let hand = DrawingStyle { tremor: hand.tremor.min(radius * 0.1), ..hand };
             stroke(&line, hand, tip, Some(Tool::Twist))
         }
         "scribble" => {
@@ -133,7 +133,7 @@ fn case(seed: u64, kind: &str, i: u64) -> Case {
             let sharp = dice.below(i, 14, 2) == 0;
             let line = zigzag(width, 3 + dice.below(i, 15, 10), angle, advance, bend, sharp);
             let hand = hand(width * 0.35);
-            let hand = Hand { tremor: hand.tremor.min(width * 0.1), ..hand };
+            let hand = DrawingStyle { tremor: hand.tremor.min(width * 0.1), ..hand };
             stroke(&line, hand, tip, Some(Tool::Frizz))
         }
         "arc" => {
@@ -323,7 +323,7 @@ fn nothing_but_a_straight_stroke_of_the_eraser_through_hair_or_on_the_scalp_cuts
 fn what_was_not_done_is_said_with_what_to_do() {
     #[track_caller]
     fn check(line: &[Vec2], around: Around, expected: &str) {
-        match classify(&Hand::still(5.0).draw(line), None, &around, RHO) {
+        match classify(&DrawingStyle::still(5.0).draw(line), None, &around, RHO) {
             Guess::Unsure(why) => assert!(why.contains(expected), "{why:?}: expected {expected:?}"),
             guess => panic!("{guess:?}"),
         }

@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::maths::hash::Dice;
-use crate::sketch::drawing::{Hand, arc, bow, coil, turn, zigzag};
+use crate::sketch::drawing::{DrawingStyle, arc, bow, coil, turn, zigzag};
 
 /// A fast, shaky hand.
-fn shaky(seed: u64) -> Hand {
-    Hand { spacing: 4.0, tremor: 1.5, noise: 0.5, seed }
+fn shaky(seed: u64) -> DrawingStyle {
+    DrawingStyle { spacing: 4.0, tremor: 1.5, noise: 0.5, seed }
 }
 
 fn mirrored(points: &[Vec2]) -> Vec<Vec2> {
@@ -71,7 +71,7 @@ fn each_turn_of_a_twirl_is_a_loop_with_its_place_and_way_round() {
     for n in 1..=6 {
         let line = coil(20.0, 1.0, 0.0, n as f32, 0.75, Vec2::X * 60.0);
         for seed in 0..4 {
-            let points = Hand { tremor: 1.0, spacing: 3.0, ..shaky(seed) }.places(&line);
+            let points = DrawingStyle { tremor: 1.0, spacing: 3.0, ..shaky(seed) }.places(&line);
             for (points, sign) in [(points.clone(), 1.0), (mirrored(&points), -1.0)] {
                 let found = loops(&points, RHO);
                 assert_eq!(found.len(), n, "{found:?}");
@@ -103,16 +103,19 @@ fn turns_over_the_same_ground_count_once_each() {
 #[test]
 fn what_is_no_loop() {
     #[track_caller]
-    fn check(line: &[Vec2], hand: Hand) {
+    fn check(line: &[Vec2], hand: DrawingStyle) {
         assert_eq!(loops(&hand.places(line), RHO), []);
     }
     for seed in 0..8 {
-        check(&bow(400.0, 0.3, 0.05, 0.0, 0.0), Hand { spacing: 1.0, tremor: 2.5, ..shaky(seed) });
+        check(
+            &bow(400.0, 0.3, 0.05, 0.0, 0.0),
+            DrawingStyle { spacing: 1.0, tremor: 2.5, ..shaky(seed) },
+        );
         // There and back: its halves cross, and enclose next to nothing.
         let way = bow(300.0, 0.3, 0.0, 0.02, 2.0);
         check(&[way.clone(), way.iter().rev().copied().collect()].concat(), shaky(seed));
         // 12 pixels around: tremor.
-        check(&coil(1.9, 1.0, 0.0, 4.0, 0.25, Vec2::X * 6.0), Hand::still(0.5));
+        check(&coil(1.9, 1.0, 0.0, 4.0, 0.25, Vec2::X * 6.0), DrawingStyle::still(0.5));
     }
 }
 
@@ -124,7 +127,7 @@ fn a_scribble_has_its_width_and_its_reversals() {
         let (width, reversals) = (pick(0, 20.0, 100.0), 3 + dice.below(0, 1, 10));
         let advance = width * pick(2, 0.0, 0.4);
         let line = zigzag(width, reversals, pick(3, 0.0, 1.0), advance, pick(4, -0.1, 0.1), true);
-        let hand = Hand { spacing: width * 0.08, tremor: width * 0.03, noise: 0.5, seed };
+        let hand = DrawingStyle { spacing: width * 0.08, tremor: width * 0.03, noise: 0.5, seed };
         let found = scribble(&hand.places(&line), RHO).expect("a scribble");
         assert_eq!(found.reversals, reversals);
         let off = (found.amplitude - width).abs();

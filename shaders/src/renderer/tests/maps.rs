@@ -4,7 +4,7 @@ use super::*;
 use crate::maps::{Kind, Map, MaterialMaps, Texels};
 use crate::surface::{Mapped, Tone, head_with_maps};
 use coif_nodes::data::scalp::{HeadFrame, REGION, Scalp};
-use coif_nodes::formats::looks::{Looks, Wrap, read_looks};
+use coif_nodes::formats::looks::{Looks, TextureWrap, read_looks};
 use coif_nodes::formats::read_mesh;
 use coif_nodes::maths::closest::Surface;
 use glam::Affine2;
@@ -241,7 +241,7 @@ fn tilted_sheet(pixel: [u8; 3], normal_scale: f32, turn: fn(Vec3) -> Vec2) -> So
         texels: Arc::new(Texels::read(&picture, Kind::Normal).expect("a PNG")),
         set: 0,
         picture_from_uv: Affine2::IDENTITY,
-        wrap: [Wrap::Repeat; 2],
+        wrap: [TextureWrap::Repeat; 2],
         nearest: false,
     };
     let material = MaterialMaps {

@@ -11,7 +11,7 @@ use crate::widgets::theme;
 use coif_nodes::data::attributes::PINNED;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::gestures::{Layer, Tool};
-use coif_nodes::sketch::around::Ground;
+use coif_nodes::sketch::around::ViewedCurves;
 use coif_nodes::sketch::classify::Guess;
 use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Vec2};
 use std::collections::BTreeMap;
@@ -85,7 +85,7 @@ impl Pen {
             let view = super::seen_from(scene.view, scene.scalp.frame());
             let rho =
                 target::number(&scene.state.document, target::of(scene.state).as_ref(), "rho");
-            let ground = Ground::new(&view, scene.scalp, &curves, rho);
+            let ground = ViewedCurves::new(&view, scene.scalp, &curves, rho);
             let at = super::pixel(scene.view, input.sample.pos);
             let mouse = super::is_mouse(&input.sample);
             let eraser = input.sample.tool == super::End::Eraser;
@@ -169,7 +169,7 @@ impl Hair {
         tool: Option<Tool>,
         eraser: bool,
         mouse: bool,
-        ground: &Ground,
+        ground: &ViewedCurves,
         at: glam::Vec2,
     ) -> Option<Layer> {
         match (tool, self.level) {

@@ -26,10 +26,10 @@ use coif_graphs::document::gestures::finish;
 use coif_graphs::document::{NodeId, Socket};
 use coif_graphs::values::grid::gestures_on_grid;
 use coif_nodes::data::curves::Curves;
-use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool, View};
+use coif_nodes::data::gestures::{Gesture, GestureView, Gestures, Layer, PenSample, Tool};
 use coif_nodes::data::scalp::HeadFrame;
 use coif_nodes::maths::hash::Key;
-use coif_nodes::sketch::around::Ground;
+use coif_nodes::sketch::around::ViewedCurves;
 use coif_nodes::sketch::classify::{Guess, classify, is_tap};
 use coif_nodes::sketch::hair_sketch::resolved;
 use coif_nodes::sketch::level::{Rule, level};
@@ -78,7 +78,7 @@ struct Touch {
     /// The node's curves before it, and the key of what came in to it.
     before: Curves,
     came_in: Option<Key>,
-    view: View,
+    view: GestureView,
     middle: Pos2,
     began: f64,
     samples: Vec<PenSample>,
@@ -97,11 +97,11 @@ struct Touch {
 }
 
 /// The view of a projection, as gestures keep it: in the head's frame, with points of the screen for pixels.
-fn seen_from(view: &Projection, frame: &HeadFrame) -> View {
+fn seen_from(view: &Projection, frame: &HeadFrame) -> GestureView {
     let camera = &view.camera;
     let parallel = camera.orthographic.is_some();
     let half_height = 0.5 * view.cm_per_point(1.0) * view.rect.height();
-    View {
+    GestureView {
         eye: frame.head_from_point(camera.eye),
         target: frame.head_from_point(camera.eye + view.axes()[2] * 10.0),
         up: frame.head_from_vector(view.axes()[1]),
@@ -270,7 +270,7 @@ impl Hair {
         let rho = target::number(&state.document, target::of(state).as_ref(), "rho");
         let view = seen_from(scene.view, scene.scalp.frame());
         let curves = look::curves(state).unwrap_or_default();
-        let ground = Ground::new(&view, scene.scalp, &curves, rho);
+        let ground = ViewedCurves::new(&view, scene.scalp, &curves, rho);
         wheel::is_free(&ground, pixel(scene.view, at), rho)
     }
 
@@ -292,7 +292,7 @@ impl Hair {
                 let rho = target::number(document, None, "rho");
                 let under = |socket: &&Socket| {
                     let curves = shown.and_then(|shown| shown.curves_of(socket));
-                    let hair = |curves| Ground::new(&view, scene.scalp, curves, rho).hair(at);
+                    let hair = |curves| ViewedCurves::new(&view, scene.scalp, curves, rho).hair(at);
                     curves.is_some_and(hair)
                 };
                 let after = sources.iter().find(under).or(sources.first());
@@ -491,7 +491,7 @@ fn nothing_done(state: &State, node: &NodeId, gesture: u64) -> String {
         let text = message.text.strip_prefix(&format!("gesture {number} ("))?;
         Some(text.split_once("): ")?.1)
     });
-    let text = own.unwrap_or("nothing is changed by it: begin on hair");
+    let text = own.unwrap_or("it changes nothing: begin on hair");
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
@@ -519,7 +519,7 @@ impl Touch {
             }
             (None, None) if self.mouse => {
                 let rho = self.rho(scene.state);
-                let ground = Ground::new(&self.view, scene.scalp, &self.before, rho);
+                let ground = ViewedCurves::new(&self.view, scene.scalp, &self.before, rho);
                 Some(level_of_mouse(&ground, at, self.eraser))
             }
             _ => level,
@@ -558,7 +558,7 @@ impl Touch {
                 }
             }
             None => {
-                let ground = Ground::new(&self.view, scene.scalp, &self.before, rho);
+                let ground = ViewedCurves::new(&self.view, scene.scalp, &self.before, rho);
                 let around = ground.around(first, last, self.eraser, self.layer());
                 classify(&self.samples, self.tap.as_deref(), &around, rho)
             }
@@ -653,7 +653,7 @@ impl Touch {
 }
 
 /// A mouse has no pressure: what it begins on says how deep it reaches.
-fn level_of_mouse(ground: &Ground, at: Vec2, eraser: bool) -> Layer {
+fn level_of_mouse(ground: &ViewedCurves, at: Vec2, eraser: bool) -> Layer {
     match () {
         () if !eraser && ground.end(at).is_some() => Layer::Nearest,
         () if eraser || ground.hair(at) || ground.skin(at).is_none() => Layer::Through,

@@ -7,7 +7,7 @@
 use super::super::Scene;
 use super::super::overlay::EDGE;
 use coif_nodes::maths::hair_colour::{absorption_of_melanin, colour_of};
-use coif_nodes::sketch::around::Ground;
+use coif_nodes::sketch::around::ViewedCurves;
 use egui::{Color32, Mesh, Painter, Pos2, Rgba, Shape, Stroke, Vec2};
 
 /// Its radius, points.
@@ -41,7 +41,7 @@ pub(super) fn colour(off: Vec2) -> Option<[u8; 3]> {
 }
 
 /// Whether there is neither skin nor hair within the pen's reach of a pixel.
-pub(super) fn is_free(ground: &Ground, at: glam::Vec2, rho: f32) -> bool {
+pub(super) fn is_free(ground: &ViewedCurves, at: glam::Vec2, rho: f32) -> bool {
     let round = (0..8).map(|k| {
         let (sin, cos) = (std::f32::consts::TAU * k as f32 / 8.0).sin_cos();
         at + glam::Vec2::new(cos, sin) * rho

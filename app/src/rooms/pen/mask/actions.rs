@@ -18,34 +18,34 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         "mask.paint",
         Paint,
         "Paint a mask",
-        "Paint on the head: a number from 0 to 1 that any field can read. Makes a paint mask where there is none.",
+        "Paint a mask on the head, 0 to 1, for any field to read. Adds a Paint mask node if needed.",
         "brush weight map density length region dab heat"
     ),
     paints!(
         "mask.erase",
         Erase,
         "Erase a mask",
-        "Takes away what is painted on the head. The eraser end of a pen always does.",
+        "Erase the mask under the brush, as the pen's eraser always does.",
         "rubber remove brush weight map"
     ),
     paints!(
         "mask.smooth",
         Smooth,
         "Smooth a mask",
-        "Evens out what is painted under the brush.",
+        "Smooth the mask under the brush.",
         "blur soften relax brush weight map"
     ),
     paints!(
         "mask.flood",
         Flood,
         "Flood a mask",
-        "Touch the head: the section, or the whole head where it is not parted, gets the strength as its value.",
+        "Fill the touched section, or the whole unparted head, with the strength as its value.",
         "fill bucket all section clear weight map"
     ),
     Action {
         id: "mask.hairline",
         label: "Paint inside closed strokes",
-        tip: "Strokes of a mask are closed lines, and act on all that lies inside: a hairline with a soft edge.",
+        tip: "Treat mask strokes as closed outlines and paint their inside, with a soft edge.",
         words: "closed outline region lasso",
         menu: "Pen",
         when: always,
@@ -54,7 +54,7 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     Action {
         id: "mask.by_section",
         label: "Paint by section",
-        tip: "Strokes of a mask keep to the section of the parted scalp that they begin in.",
+        tip: "Limit each mask stroke to the section that it begins in.",
         words: "parting border within",
         menu: "Pen",
         when: always,

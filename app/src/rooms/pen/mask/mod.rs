@@ -287,7 +287,7 @@ impl Pen {
     /// The row of the bar with the tools that paint, and what they need.
     pub(super) fn mask_bar(
         &mut self,
-        settings: &mut crate::core::pen::Settings,
+        settings: &mut crate::core::pen::PenSettings,
         ui: &mut Ui,
         out: &mut Vec<Event>,
     ) {
@@ -303,24 +303,23 @@ impl Pen {
             ui.add(drag.prefix(prefix.to_owned()).suffix(unit.to_owned())).on_hover_text(tip);
         };
         if mode != Mode::Flood {
-            let tip = "Radius of the brush on the scalp: [ and ] change it.";
+            let tip = "Radius of the brush on the scalp ([ and ]).";
             number(&mut settings.brush, 0.05..=20.0, "Size ", " cm", tip);
         }
         let tip = match mode {
-            Mode::Flood => "What the mask becomes: 0 clears it. Shift+[ and Shift+] change it.",
-            _ => "What one pass at full pressure does: Shift+[ and Shift+] change it.",
+            Mode::Flood => "Value that the mask gets; 0 clears it (Shift+[ and Shift+]).",
+            _ => "Strength of one pass at full pressure (Shift+[ and Shift+]).",
         };
         number(&mut settings.strength, 0.0..=1.0, "Strength ", "", tip);
         ui.checkbox(&mut settings.symmetry, "Symmetry")
-            .on_hover_text("Paints both sides of the head: X.");
+            .on_hover_text("Paint both sides of the head (X).");
         if mode != Mode::Flood {
-            ui.checkbox(&mut self.mask.by_section, "By section").on_hover_text(
-                "A stroke keeps to the section of the parted scalp that it begins in.",
-            );
+            ui.checkbox(&mut self.mask.by_section, "By section")
+                .on_hover_text("Limit each stroke to the section that it begins in.");
         }
         if matches!(mode, Mode::Paint | Mode::Erase) {
             ui.checkbox(&mut self.mask.closed, "Hairline")
-                .on_hover_text("A stroke is a closed line, and acts on all that lies inside it.");
+                .on_hover_text("Treat each stroke as a closed outline and paint its inside.");
         }
     }
 }

@@ -76,7 +76,7 @@ impl Studio {
         let history = &self.0.editor().state.history;
         history.steps().nth(history.done() - 1).expect("a step").words.clone()
     }
-    fn set(&mut self, change: impl FnOnce(&mut crate::core::pen::Settings)) {
+    fn set(&mut self, change: impl FnOnce(&mut crate::core::pen::PenSettings)) {
         let mut settings = self.0.editor().state.settings.clone();
         change(&mut settings.pen);
         self.0.editor().apply(crate::core::event::Event::Settings(settings.into()));

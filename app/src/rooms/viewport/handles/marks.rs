@@ -39,7 +39,7 @@ struct Drag {
 
 /// The landmarks of the active head.
 #[derive(Default)]
-pub(super) struct Marks {
+pub(super) struct LandmarkHandles {
     drag: Option<Drag>,
 }
 
@@ -87,7 +87,7 @@ impl<'a> Head<'a> {
     }
 }
 
-impl Marks {
+impl LandmarkHandles {
     /// Whether one is being dragged.
     pub(super) fn is_dragging(&self) -> bool {
         self.drag.is_some()
@@ -156,8 +156,9 @@ impl Marks {
         }
         panel::menu_at(&response, panel::right_click(&response), |ui| {
             let again = ui.add_enabled(is_set, egui::Button::new("Guess again"));
-            let again = again.on_hover_text(format!("Puts {} where it is guessed.", mark.name()));
-            if again.on_disabled_hover_text("It is where it was guessed.").clicked() {
+            let again =
+                again.on_hover_text(format!("Reset {} to its detected position.", mark.name()));
+            if again.on_disabled_hover_text("Already at its detected position.").clicked() {
                 out.push(head.stating(mark, None));
                 ui.close();
             }

@@ -23,7 +23,7 @@ use coif_nodes::define::{Handle, Type, Value};
 use egui::{Color32, Key, Pos2, Sense, Shape, Stroke, Vec2};
 use glam::Vec3;
 use grip::{Grip, Number, grips};
-use marks::Marks;
+use marks::LandmarkHandles;
 use std::sync::Arc;
 
 /// How far from a grip's middle it is taken, points.
@@ -84,7 +84,7 @@ struct Drag {
 #[derive(Default)]
 pub(super) struct Handles {
     drag: Option<Drag>,
-    marks: Marks,
+    marks: LandmarkHandles,
 }
 
 impl Handles {

@@ -7,11 +7,11 @@
 use super::super::super::FormatError;
 
 /// Bytes that may still be allocated. What stays is never given back, so the budget bounds work too.
-pub(in crate::formats) struct Budget {
+pub(in crate::formats) struct ReadBudget {
     left: u64,
 }
 
-impl Budget {
+impl ReadBudget {
     /// The budget for a file of so many bytes.
     pub(in crate::formats) fn for_file(length: usize) -> Self {
         Self { left: (32 << 20) + 10 * length as u64 }

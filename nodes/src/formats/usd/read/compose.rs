@@ -10,9 +10,11 @@
 //! of layers that reference (implied inherits), relocates, value clips, prototypes of point instancers.
 
 use super::super::super::FormatError;
-use super::budget::Budget;
+use super::budget::ReadBudget;
 use super::layers::Layers;
-use super::tree::{Arc, Attribute, Edit, Prim, Specifier, Stage, Target, Value, is_passed_down};
+use super::tree::{
+    Arc, Edit, ParsedValue, Prim, PrimAttribute, Specifier, Stage, Target, is_passed_down,
+};
 use super::{LeftOut, Told};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,7 +46,7 @@ pub(super) fn compose(
     layers: &mut Layers,
     length: usize,
     told: &mut Told,
-    budget: &mut Budget,
+    budget: &mut ReadBudget,
 ) -> Result<Stage, FormatError> {
     let mut composer = Composer {
         layers,
@@ -53,7 +55,7 @@ pub(super) fn compose(
         stacks: Vec::new(),
         stage: Stage::default(),
         sites: Vec::new(),
-        work: Budget::for_arcs(length),
+        work: ReadBudget::for_arcs(length),
         clock: 0,
         age: 0,
         chain: Vec::new(),
@@ -69,14 +71,14 @@ pub(super) fn compose(
 struct Composer<'a, 'b> {
     layers: &'a mut Layers<'b>,
     told: &'a mut Told,
-    budget: &'a mut Budget,
+    budget: &'a mut ReadBudget,
     /// The layers of each stack, the strongest first; the first is its root.
     stacks: Vec<Vec<usize>>,
     stage: Stage,
     /// The layers and specs that speak of each prim of the stage, the strongest first.
     sites: Vec<Vec<(usize, usize)>>,
     /// For nodes and names, which are gone when all is composed.
-    work: Budget,
+    work: ReadBudget,
     /// How many prims were followed, those on the way to targets too, and the one that is.
     clock: u64,
     age: u64,
@@ -182,7 +184,7 @@ impl Composer<'_, '_> {
         let mut copied = 0;
         for (here, sites) in std::mem::take(&mut self.sites).into_iter().enumerate() {
             let is_curves = self.stage.prims[here].type_name == "BasisCurves";
-            let mut attributes: Vec<Attribute> = Vec::new();
+            let mut attributes: Vec<PrimAttribute> = Vec::new();
             let mut own_copies = 0;
             for (layer, spec) in sites {
                 let spec = &mut self.layers.layer_mut(layer).specs[spec];
@@ -203,7 +205,7 @@ impl Composer<'_, '_> {
                         None => {
                             let (name, type_name) = (weaker.name.clone(), weaker.type_name.clone());
                             self.budget.charge((name.len() + type_name.len()) as u64)?;
-                            let new = Attribute { name, type_name, ..Attribute::default() };
+                            let new = PrimAttribute { name, type_name, ..PrimAttribute::default() };
                             self.budget.push(&mut attributes, new)?;
                             attributes.len() - 1
                         }
@@ -216,7 +218,7 @@ impl Composer<'_, '_> {
                         own.is_blocked = weaker.is_blocked;
                         own.unread = weaker.unread;
                         if is_curves {
-                            own_copies += weaker.value.as_ref().map_or(0, Value::bytes);
+                            own_copies += weaker.value.as_ref().map_or(0, ParsedValue::bytes);
                         }
                         if copied + own_copies <= MOST_COPIED {
                             own.value.clone_from(&weaker.value);

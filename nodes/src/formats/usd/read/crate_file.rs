@@ -8,9 +8,9 @@ use super::super::super::FormatError;
 use super::super::coding::{
     ARRAY, COMPRESSED, INLINED, PAYLOAD, Width, decode_ints, kind, lz4_unpack, spec_kind,
 };
-use super::budget::Budget;
+use super::budget::ReadBudget;
 use super::text::arc_of;
-use super::tree::{Attribute, Layer, Spec, Specifier, Value, is_wanted};
+use super::tree::{ParsedLayer, ParsedValue, PrimAttribute, Spec, Specifier, is_wanted};
 use bytemuck::Pod;
 
 /// How crate files begin.
@@ -20,7 +20,7 @@ pub(super) const MAGIC: &[u8] = b"PXR-USDC";
 const LZ4_MAX_RATIO: u64 = 255;
 
 /// Decodes a layer.
-pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Layer, FormatError> {
+pub(super) fn read(bytes: &[u8], budget: &mut ReadBudget) -> Result<ParsedLayer, FormatError> {
     let mut file = CrateFile::open(bytes, budget)?;
     file.layer()
 }
@@ -80,7 +80,7 @@ const NONE: u32 = u32::MAX;
 
 pub(super) struct CrateFile<'a, 'b> {
     bytes: &'a [u8],
-    pub(super) budget: &'b mut Budget,
+    pub(super) budget: &'b mut ReadBudget,
     /// Minor version; all files so far are 0.x.
     pub(super) minor: u8,
     token_texts: Vec<u8>,
@@ -100,7 +100,7 @@ pub(super) struct CrateFile<'a, 'b> {
 impl<'a, 'b> CrateFile<'a, 'b> {
     // ---- sections ----------------------------------------------------------------------------
 
-    fn open(bytes: &'a [u8], budget: &'b mut Budget) -> Result<Self, FormatError> {
+    fn open(bytes: &'a [u8], budget: &'b mut ReadBudget) -> Result<Self, FormatError> {
         let mut header = Cursor { bytes, at: MAGIC.len() };
         let [major, minor, ..]: [u8; 8] = header.number()?;
         if major != 0 || minor < 4 {
@@ -311,7 +311,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
 
     // ---- prims -------------------------------------------------------------------------------
 
-    fn layer(&mut self) -> Result<Layer, FormatError> {
+    fn layer(&mut self) -> Result<ParsedLayer, FormatError> {
         let count = self.paths.len();
         self.budget.charge_items::<[u32; 2]>(count as u64)?;
         let mut spec_of_path = vec![NONE; count];
@@ -321,7 +321,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             }
         }
         let mut prim_of_path = vec![NONE; count];
-        let mut layer = Layer::default();
+        let mut layer = ParsedLayer::default();
         for path in std::mem::take(&mut self.path_order) {
             let Some(&[_, set, spec]) = self.specs.get(spec_of_path[path as usize] as usize) else {
                 continue;
@@ -379,7 +379,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         rest[..length].iter().map(field).collect()
     }
 
-    fn layer_metadata(&mut self, set: u32, layer: &mut Layer) -> Result<(), FormatError> {
+    fn layer_metadata(&mut self, set: u32, layer: &mut ParsedLayer) -> Result<(), FormatError> {
         for (name, value) in self.fields_of(set)? {
             match self.token(name)? {
                 "metersPerUnit" => {
@@ -436,10 +436,10 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         Ok(spec)
     }
 
-    fn attribute(&mut self, set: u32, name: u32) -> Result<Attribute, FormatError> {
+    fn attribute(&mut self, set: u32, name: u32) -> Result<PrimAttribute, FormatError> {
         let name = self.token(name)?.to_owned();
         self.budget.charge(name.len() as u64)?;
-        let mut attribute = Attribute { name, ..Attribute::default() };
+        let mut attribute = PrimAttribute { name, ..PrimAttribute::default() };
         let (mut default, mut samples) = (None, None);
         for (field, value) in self.fields_of(set)? {
             match self.token(field)? {
@@ -490,7 +490,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
     }
 
     /// A value; `None` for types that curves have no use for, and for blocks.
-    fn value(&mut self, value: u64) -> Result<Option<Value>, FormatError> {
+    fn value(&mut self, value: u64) -> Result<Option<ParsedValue>, FormatError> {
         let number = (value >> 48) as u8;
         let Some(element) = Element::of(number) else { return Ok(None) };
         if value & ARRAY == 0 {
@@ -511,20 +511,24 @@ impl<'a, 'b> CrateFile<'a, 'b> {
     }
 
     /// A value that its own representation holds: 32 bits, or a tuple of small integers.
-    fn inlined(&mut self, element: Element, payload: u64) -> Result<Option<Value>, FormatError> {
+    fn inlined(
+        &mut self,
+        element: Element,
+        payload: u64,
+    ) -> Result<Option<ParsedValue>, FormatError> {
         let bits = payload as u32;
         let small = |index: usize| bits.to_le_bytes()[index] as i8 as f64;
         Ok(Some(match (element.scalar, element.per) {
-            (Scalar::Bool | Scalar::I32, 1) => Value::Ints(vec![bits as i32]),
-            (Scalar::U8 | Scalar::U32 | Scalar::U64, 1) => Value::Longs(vec![bits as i64]),
-            (Scalar::I64, 1) => Value::Longs(vec![bits as i32 as i64]),
-            (Scalar::F16, 1) => Value::Floats(vec![float_of_half(bits as u16)]),
-            (Scalar::F32, 1) => Value::Floats(vec![f32::from_bits(bits)]),
+            (Scalar::Bool | Scalar::I32, 1) => ParsedValue::Ints(vec![bits as i32]),
+            (Scalar::U8 | Scalar::U32 | Scalar::U64, 1) => ParsedValue::Longs(vec![bits as i64]),
+            (Scalar::I64, 1) => ParsedValue::Longs(vec![bits as i32 as i64]),
+            (Scalar::F16, 1) => ParsedValue::Floats(vec![float_of_half(bits as u16)]),
+            (Scalar::F32, 1) => ParsedValue::Floats(vec![f32::from_bits(bits)]),
             (Scalar::F64, 1) => {
-                Value::Doubles { per: 1, values: vec![f32::from_bits(bits) as f64] }
+                ParsedValue::Doubles { per: 1, values: vec![f32::from_bits(bits) as f64] }
             }
-            (Scalar::Token, _) => Value::Texts(self.copied(&[bits], Self::token)?),
-            (Scalar::String, _) => Value::Texts(self.copied(&[bits], Self::string)?),
+            (Scalar::Token, _) => ParsedValue::Texts(self.copied(&[bits], Self::token)?),
+            (Scalar::String, _) => ParsedValue::Texts(self.copied(&[bits], Self::string)?),
             // Two halves are no longer than 32 bits and so never reduced to integers.
             (Scalar::F16, 2) => {
                 let [x, y] = [bits as u16, (bits >> 16) as u16].map(float_of_half);
@@ -533,9 +537,11 @@ impl<'a, 'b> CrateFile<'a, 'b> {
             (Scalar::F64, 16) => {
                 let mut values = vec![0.0; 16];
                 (0..4).for_each(|index| values[5 * index] = small(index));
-                Value::Doubles { per: 16, values }
+                ParsedValue::Doubles { per: 16, values }
             }
-            (Scalar::F64, per) => Value::Doubles { per, values: (0..per).map(small).collect() },
+            (Scalar::F64, per) => {
+                ParsedValue::Doubles { per, values: (0..per).map(small).collect() }
+            }
             (_, per) => tuples(per, (0..per).map(|index| small(index) as f32).collect()),
         }))
     }
@@ -546,49 +552,49 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         element: Element,
         cursor: &mut Cursor<'a>,
         count: u64,
-    ) -> Result<Value, FormatError> {
+    ) -> Result<ParsedValue, FormatError> {
         let per = element.per;
         let numbers = count.saturating_mul(per as u64);
         Ok(match element.scalar {
             Scalar::Bool => {
                 let bytes = cursor.take(count)?;
                 self.budget.charge_items::<i32>(count)?;
-                Value::Ints(bytes.iter().map(|&byte| (byte != 0) as i32).collect())
+                ParsedValue::Ints(bytes.iter().map(|&byte| (byte != 0) as i32).collect())
             }
             Scalar::U8 => {
                 let bytes = cursor.take(count)?;
                 self.budget.charge_items::<i64>(count)?;
-                Value::Longs(bytes.iter().map(|&byte| byte as i64).collect())
+                ParsedValue::Longs(bytes.iter().map(|&byte| byte as i64).collect())
             }
-            Scalar::I32 => Value::Ints(self.pod(cursor, count)?),
+            Scalar::I32 => ParsedValue::Ints(self.pod(cursor, count)?),
             Scalar::U32 => {
                 let values: Vec<u32> = self.pod(cursor, count)?;
                 self.budget.charge_items::<i64>(count)?;
-                Value::Longs(values.iter().map(|&value| value as i64).collect())
+                ParsedValue::Longs(values.iter().map(|&value| value as i64).collect())
             }
-            Scalar::I64 | Scalar::U64 => Value::Longs(self.pod(cursor, count)?),
+            Scalar::I64 | Scalar::U64 => ParsedValue::Longs(self.pod(cursor, count)?),
             Scalar::F16 => {
                 let halves: Vec<u16> = self.pod(cursor, numbers)?;
                 self.budget.charge_items::<f64>(numbers)?;
                 tuples(per, halves.iter().map(|&half| float_of_half(half)).collect())
             }
             Scalar::F32 => match per {
-                2 => Value::Float2s(self.pod(cursor, count)?),
-                3 => Value::Float3s(self.pod(cursor, count)?),
+                2 => ParsedValue::Float2s(self.pod(cursor, count)?),
+                3 => ParsedValue::Float3s(self.pod(cursor, count)?),
                 _ => {
                     let values: Vec<f32> = self.pod(cursor, numbers)?;
                     self.budget.charge_items::<f64>(if per == 1 { 0 } else { numbers })?;
                     tuples(per, values)
                 }
             },
-            Scalar::F64 => Value::Doubles { per, values: self.pod(cursor, numbers)? },
+            Scalar::F64 => ParsedValue::Doubles { per, values: self.pod(cursor, numbers)? },
             Scalar::Token => {
                 let tokens: Vec<u32> = self.pod(cursor, count)?;
-                Value::Texts(self.copied(&tokens, Self::token)?)
+                ParsedValue::Texts(self.copied(&tokens, Self::token)?)
             }
             Scalar::String => {
                 let strings: Vec<u32> = self.pod(cursor, count)?;
-                Value::Texts(self.copied(&strings, Self::string)?)
+                ParsedValue::Texts(self.copied(&strings, Self::string)?)
             }
         }
         .with_real_part_first(element.is_quaternion))
@@ -600,7 +606,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         element: Element,
         cursor: &mut Cursor<'a>,
         count: u64,
-    ) -> Result<Value, FormatError> {
+    ) -> Result<ParsedValue, FormatError> {
         // Files say "compressed" of arrays too short to be so.
         const SHORTEST: u64 = 16;
         if count < SHORTEST {
@@ -611,15 +617,15 @@ impl<'a, 'b> CrateFile<'a, 'b> {
                 let values = self.packed_ints(cursor, count, Width::Bits32)?;
                 self.budget.charge_items::<i32>(count)?;
                 self.budget.give_back(8 * count);
-                Ok(Value::Ints(values.iter().map(|&value| value as i32).collect()))
+                Ok(ParsedValue::Ints(values.iter().map(|&value| value as i32).collect()))
             }
             (Scalar::U32, 1) => {
                 let mut values = self.packed_ints(cursor, count, Width::Bits32)?;
                 values.iter_mut().for_each(|value| *value = *value as u32 as i64);
-                Ok(Value::Longs(values))
+                Ok(ParsedValue::Longs(values))
             }
             (Scalar::I64 | Scalar::U64, 1) => {
-                Ok(Value::Longs(self.packed_ints(cursor, count, Width::Bits64)?))
+                Ok(ParsedValue::Longs(self.packed_ints(cursor, count, Width::Bits64)?))
             }
             (Scalar::F16 | Scalar::F32 | Scalar::F64, 1) => {
                 self.compressed_floats(element, cursor, count)
@@ -633,7 +639,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         element: Element,
         cursor: &mut Cursor<'a>,
         count: u64,
-    ) -> Result<Value, FormatError> {
+    ) -> Result<ParsedValue, FormatError> {
         let table = match cursor.number::<u8>()? {
             b'i' => None,
             b't' => {
@@ -650,11 +656,11 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         let value = if element.scalar == Scalar::F64 {
             self.budget.charge_items::<f64>(count)?;
             let values: Option<Vec<f64>> = numbers.collect();
-            values.map(|values| Value::Doubles { per: 1, values })
+            values.map(|values| ParsedValue::Doubles { per: 1, values })
         } else {
             self.budget.charge_items::<f32>(count)?;
             let values: Option<Vec<f32>> = numbers.map(|n| n.map(|n| n as f32)).collect();
-            values.map(Value::Floats)
+            values.map(ParsedValue::Floats)
         };
         self.budget.give_back(8 * count);
         value.ok_or_else(|| cursor.damaged("an index is outside the table of floats"))
@@ -676,7 +682,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
     }
 
     /// The value at the earliest time, and how many there are.
-    fn earliest_sample(&mut self, value: u64) -> Result<(Option<Value>, u64), FormatError> {
+    fn earliest_sample(&mut self, value: u64) -> Result<(Option<ParsedValue>, u64), FormatError> {
         let (times, mut values) = self.samples(value)?;
         let earliest = (0..times.len()).min_by(|&a, &b| times[a].total_cmp(&times[b]));
         let Some(earliest) = earliest else { return Ok((None, 0)) };
@@ -775,16 +781,18 @@ impl Element {
 }
 
 /// Floats in tuples of `per`.
-fn tuples(per: usize, values: Vec<f32>) -> Value {
+fn tuples(per: usize, values: Vec<f32>) -> ParsedValue {
     match per {
-        1 => Value::Floats(values),
-        2 => Value::Float2s(values.chunks_exact(2).map(glam::Vec2::from_slice).collect()),
-        3 => Value::Float3s(values.chunks_exact(3).map(glam::Vec3::from_slice).collect()),
-        _ => Value::Doubles { per, values: values.iter().map(|&value| value as f64).collect() },
+        1 => ParsedValue::Floats(values),
+        2 => ParsedValue::Float2s(values.chunks_exact(2).map(glam::Vec2::from_slice).collect()),
+        3 => ParsedValue::Float3s(values.chunks_exact(3).map(glam::Vec3::from_slice).collect()),
+        _ => {
+            ParsedValue::Doubles { per, values: values.iter().map(|&value| value as f64).collect() }
+        }
     }
 }
 
-impl Value {
+impl ParsedValue {
     /// Crate files put the real part of quaternions last, text files first.
     fn with_real_part_first(mut self, is_quaternion: bool) -> Self {
         if let (true, Self::Doubles { values, .. }) = (is_quaternion, &mut self) {
@@ -812,7 +820,7 @@ fn float_of_half(half: u16) -> f32 {
 mod tests {
     use super::super::super::super::Chunks;
     use super::super::super::coding::{lz4_pack, pack_ints};
-    use super::super::super::groom::{CurveSet, Stage, UpAxis, write_usdc};
+    use super::super::super::groom::{CurveSet, GroomStage, UpAxis, write_usdc};
     use super::super::read_alone;
     use super::*;
     use glam::Vec3;
@@ -824,7 +832,7 @@ mod tests {
             points: Chunks::from(vec![Vec3::ONE; 32]),
             ..CurveSet::default()
         };
-        let stage = Stage {
+        let stage = GroomStage {
             name: "Groom".into(),
             doc: "doc".into(),
             generator: "tests".into(),
@@ -842,7 +850,7 @@ mod tests {
 
     /// The unpacked columns of integers of a section, behind so many counts.
     fn columns(bytes: &[u8], name: &str, counts: usize, columns: usize) -> Vec<Vec<i64>> {
-        let budget = &mut Budget::for_file(bytes.len());
+        let budget = &mut ReadBudget::for_file(bytes.len());
         let mut contents = Cursor { bytes, at: 16 };
         contents.at = contents.u64().unwrap() as usize;
         let mut section = find_section(contents, name).unwrap();
@@ -907,7 +915,7 @@ mod tests {
     #[test]
     fn values_that_lie_anywhere_are_read_or_refused() {
         let bytes = small_file();
-        let budget = &mut Budget::for_file(bytes.len());
+        let budget = &mut ReadBudget::for_file(bytes.len());
         let fields = CrateFile::open(&bytes, budget).unwrap().fields;
         let tokens: Vec<i64> = fields.iter().map(|&(token, _)| token as i64).collect();
         let mut outcomes = [0; 2];

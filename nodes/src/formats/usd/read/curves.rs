@@ -7,9 +7,11 @@
 use super::super::super::FormatError;
 use super::super::form::{FARTHEST, Form, is_position};
 use super::ReadCurves;
-use super::budget::Budget;
-use super::tree::{Attribute, Value};
-use super::values::{ReadPrimvar, ReadValues, ReadWidths, Shape, Unresolved, is_interpolation};
+use super::budget::ReadBudget;
+use super::tree::{ParsedValue, PrimAttribute};
+use super::values::{
+    InterpolationCounts, ReadPrimvar, ReadValues, ReadWidths, Unresolved, is_interpolation,
+};
 use super::world::World;
 use glam::{DMat4, Vec3};
 
@@ -17,11 +19,11 @@ use glam::{DMat4, Vec3};
 pub(super) struct CurvesPrim<'a> {
     path: &'a str,
     world: &'a World,
-    attributes: Vec<Attribute>,
+    attributes: Vec<PrimAttribute>,
 }
 
 /// What was found of a prim.
-pub(super) struct Found {
+pub(super) struct PrimCurves {
     /// Its sound curves.
     pub(super) curves: Option<ReadCurves>,
     /// What is wrong with others.
@@ -31,16 +33,16 @@ pub(super) struct Found {
 }
 
 impl<'a> CurvesPrim<'a> {
-    pub(super) fn new(path: &'a str, world: &'a World, attributes: Vec<Attribute>) -> Self {
+    pub(super) fn new(path: &'a str, world: &'a World, attributes: Vec<PrimAttribute>) -> Self {
         Self { path, world, attributes }
     }
 
     /// The curves; the place of an error is the attribute.
-    pub(super) fn curves(mut self, budget: &mut Budget) -> Result<Found, FormatError> {
+    pub(super) fn curves(mut self, budget: &mut ReadBudget) -> Result<PrimCurves, FormatError> {
         let counts = self.take("curveVertexCounts").and_then(|a| a.value);
         let points = self.take("points").and_then(|a| a.value);
         let (Some(counts), Some(points)) = (counts, points) else {
-            return Ok(Found { curves: None, faults: vec![], is_empty: true });
+            return Ok(PrimCurves { curves: None, faults: vec![], is_empty: true });
         };
         let mut points = points_of(points)?;
         let mut counts = counts_of(counts, points.len(), budget)?;
@@ -64,7 +66,7 @@ impl<'a> CurvesPrim<'a> {
                 form.counts()
             ));
         }
-        let shape = Shape::of(form, &counts, points.len());
+        let shape = InterpolationCounts::of(form, &counts, points.len());
         let mut widths = self.widths(&shape, &mut notes, budget)?;
         let mut primvars = self.primvars(&shape, &mut notes, budget)?;
         if !bad.faults.is_empty() {
@@ -98,10 +100,10 @@ impl<'a> CurvesPrim<'a> {
             primvars,
             notes,
         });
-        Ok(Found { curves, faults: bad.faults, is_empty: false })
+        Ok(PrimCurves { curves, faults: bad.faults, is_empty: false })
     }
 
-    fn take(&mut self, name: &str) -> Option<Attribute> {
+    fn take(&mut self, name: &str) -> Option<PrimAttribute> {
         let index = self.attributes.iter().position(|attribute| attribute.name == name)?;
         // The order of what is left is the file's order of primvars.
         Some(self.attributes.remove(index))
@@ -109,7 +111,7 @@ impl<'a> CurvesPrim<'a> {
 
     fn token(&mut self, name: &str, default: &str) -> String {
         match self.take(name).and_then(|attribute| attribute.value) {
-            Some(Value::Texts(texts)) if texts.len() == 1 => texts.into_iter().next(),
+            Some(ParsedValue::Texts(texts)) if texts.len() == 1 => texts.into_iter().next(),
             _ => None,
         }
         .unwrap_or_else(|| default.to_owned())
@@ -129,20 +131,23 @@ impl<'a> CurvesPrim<'a> {
     /// Widths: those of `primvars:widths` where there are any, as USD has it.
     fn widths(
         &mut self,
-        shape: &Shape,
+        shape: &InterpolationCounts,
         notes: &mut Vec<String>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Option<ReadWidths>, FormatError> {
         let plain = self.take("widths");
         let primvar = self.take("primvars:widths").filter(|attribute| attribute.value.is_some());
         let indices = self.take("primvars:widths:indices").and_then(|attribute| attribute.value);
         let (attribute, default, indices) = match (primvar, plain, indices) {
-            (Some(primvar), _, Some(Value::Ints(indices))) => (primvar, "constant", Some(indices)),
+            (Some(primvar), _, Some(ParsedValue::Ints(indices))) => {
+                (primvar, "constant", Some(indices))
+            }
             (Some(primvar), ..) => (primvar, "constant", None),
             (None, Some(plain), _) => (plain, "vertex", None),
             _ => return Ok(None),
         };
-        let Attribute { name, type_name, interpolation, value: Some(value), .. } = attribute else {
+        let PrimAttribute { name, type_name, interpolation, value: Some(value), .. } = attribute
+        else {
             return Ok(None);
         };
         let mut left_out = |reason: String| {
@@ -181,9 +186,9 @@ impl<'a> CurvesPrim<'a> {
 
     fn primvars(
         &mut self,
-        shape: &Shape,
+        shape: &InterpolationCounts,
         notes: &mut Vec<String>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Vec<ReadPrimvar>, FormatError> {
         let mut primvars = Vec::new();
         let mut indices = Vec::new();
@@ -191,7 +196,9 @@ impl<'a> CurvesPrim<'a> {
             let Some(name) = attribute.name.strip_prefix("primvars:") else { continue };
             match (name.strip_suffix(":indices"), attribute.value) {
                 (_, None) => {}
-                (Some(of), Some(Value::Ints(values))) => indices.push((of.to_owned(), values)),
+                (Some(of), Some(ParsedValue::Ints(values))) => {
+                    indices.push((of.to_owned(), values))
+                }
                 (_, Some(value)) => primvars.push(Unresolved {
                     name: name.to_owned(),
                     type_name: attribute.type_name,
@@ -295,10 +302,10 @@ impl Bad {
     }
 }
 
-fn points_of(value: Value) -> Result<Vec<Vec3>, FormatError> {
+fn points_of(value: ParsedValue) -> Result<Vec<Vec3>, FormatError> {
     match value {
-        Value::Float3s(points) => Ok(points),
-        Value::Doubles { per: 3, values } => {
+        ParsedValue::Float3s(points) => Ok(points),
+        ParsedValue::Doubles { per: 3, values } => {
             let vector = |v: &[f64]| Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32);
             Ok(values.chunks_exact(3).map(vector).collect())
         }
@@ -306,9 +313,13 @@ fn points_of(value: Value) -> Result<Vec<Vec3>, FormatError> {
     }
 }
 
-fn counts_of(value: Value, points: usize, budget: &mut Budget) -> Result<Vec<u32>, FormatError> {
+fn counts_of(
+    value: ParsedValue,
+    points: usize,
+    budget: &mut ReadBudget,
+) -> Result<Vec<u32>, FormatError> {
     let error = |reason| Err(FormatError::at("curveVertexCounts", reason));
-    let Value::Ints(signed) = value else {
+    let ParsedValue::Ints(signed) = value else {
         return error("the values are no integers".to_owned());
     };
     budget.charge_items::<u32>(signed.len() as u64)?;

@@ -4,8 +4,8 @@
 //! its package) is never asked for, whatever a path says; nor are URLs, absolute paths and variables.
 
 use super::super::super::FormatError;
-use super::budget::Budget;
-use super::tree::Layer;
+use super::budget::ReadBudget;
+use super::tree::ParsedLayer;
 use super::{crate_file, package, text};
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub(super) struct Layers<'a> {
     beside: Beside<'a>,
     /// Bytes and name of the file that was opened.
     opened: (&'a [u8], &'a str),
-    loaded: Vec<(Name, Layer)>,
+    loaded: Vec<(Name, ParsedLayer)>,
     known: BTreeMap<Name, Result<usize, String>>,
     packages: BTreeMap<String, Vec<u8>>,
 }
@@ -40,7 +40,7 @@ impl<'a> Layers<'a> {
         bytes: &'a [u8],
         file_name: &'a str,
         beside: Beside<'a>,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Self, FormatError> {
         let (name, content) = if package::is_package(bytes) {
             let (path, content) = package::root_layer(bytes)?;
@@ -55,11 +55,11 @@ impl<'a> Layers<'a> {
         Ok(Self { beside, opened, loaded, known, packages: BTreeMap::new() })
     }
 
-    pub(super) fn layer(&self, number: usize) -> &Layer {
+    pub(super) fn layer(&self, number: usize) -> &ParsedLayer {
         &self.loaded[number].1
     }
 
-    pub(super) fn layer_mut(&mut self, number: usize) -> &mut Layer {
+    pub(super) fn layer_mut(&mut self, number: usize) -> &mut ParsedLayer {
         &mut self.loaded[number].1
     }
 
@@ -68,7 +68,7 @@ impl<'a> Layers<'a> {
         &mut self,
         from: usize,
         asset: &str,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<usize, String> {
         let name = named(&self.loaded[from].0, asset)?;
         if let Some(known) = self.known.get(&name) {
@@ -82,7 +82,7 @@ impl<'a> Layers<'a> {
         found
     }
 
-    fn read(&mut self, name: &Name, budget: &mut Budget) -> Result<Layer, String> {
+    fn read(&mut self, name: &Name, budget: &mut ReadBudget) -> Result<ParsedLayer, String> {
         if self.loaded.len() >= MOST_LAYERS {
             return Err(format!("more than {MOST_LAYERS} layers are not read"));
         }
@@ -115,7 +115,7 @@ impl<'a> Layers<'a> {
     }
 }
 
-fn parsed(bytes: &[u8], budget: &mut Budget) -> Result<Layer, FormatError> {
+fn parsed(bytes: &[u8], budget: &mut ReadBudget) -> Result<ParsedLayer, FormatError> {
     let mut layer = if bytes.starts_with(crate_file::MAGIC) {
         crate_file::read(bytes, budget)?
     } else if bytes.starts_with(text::MAGIC) {

@@ -92,7 +92,7 @@ pub fn read_stage(bytes: &[u8], file_name: &str, beside: Beside) -> Result<ReadS
     if !known.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
         return Err(FormatError::at("file name", format!(".{extension} is no USD file")));
     }
-    let mut budget = budget::Budget::for_file(bytes.len());
+    let mut budget = budget::ReadBudget::for_file(bytes.len());
     let mut told = Told::default();
     let mut layers = layers::Layers::open(bytes, file_name, beside, &mut budget)?;
     let stage = compose::compose(&mut layers, bytes.len(), &mut told, &mut budget)?;
@@ -102,7 +102,7 @@ pub fn read_stage(bytes: &[u8], file_name: &str, beside: Beside) -> Result<ReadS
 fn gather(
     mut stage: Stage,
     mut told: Told,
-    budget: &mut budget::Budget,
+    budget: &mut budget::ReadBudget,
 ) -> Result<ReadStage, FormatError> {
     let centimetres_from_stage = centimetres_from_stage(&stage)?;
     let worlds = World::of_prims(&stage, centimetres_from_stage, budget)?;
@@ -135,7 +135,7 @@ fn gather(
         }
         let attributes = std::mem::take(&mut stage.prims[index].attributes);
         match curves::CurvesPrim::new(&path, world, attributes).curves(budget) {
-            Ok(curves::Found { curves, faults, is_empty }) => {
+            Ok(curves::PrimCurves { curves, faults, is_empty }) => {
                 faults.into_iter().for_each(|fault| told.leave_out(broken(fault)));
                 if is_empty {
                     let reason = "it has no points, or no curveVertexCounts".to_owned();
@@ -154,10 +154,10 @@ fn tell_unread(
     stage: &Stage,
     index: usize,
     told: &mut Told,
-    budget: &mut budget::Budget,
+    budget: &mut budget::ReadBudget,
 ) -> Result<(), FormatError> {
     let prim = &stage.prims[index];
-    let animated: Vec<&tree::Attribute> =
+    let animated: Vec<&tree::PrimAttribute> =
         prim.attributes.iter().filter(|attribute| attribute.unread > 0).collect();
     let idle = world::operations_without_value(prim);
     if animated.is_empty() && idle.is_empty() {

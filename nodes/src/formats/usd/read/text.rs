@@ -5,9 +5,10 @@
 //! which bracket closes which): the point is to read curves, not to judge files.
 
 use super::super::super::FormatError;
-use super::budget::Budget;
+use super::budget::ReadBudget;
 use super::tree::{
-    Arc, Attribute, Edit, Layer, ListEdit, Spec, Specifier, Target, Value, is_wanted,
+    Arc, Edit, ListEdit, ParsedLayer, ParsedValue, PrimAttribute, Spec, Specifier, Target,
+    is_wanted,
 };
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -17,11 +18,12 @@ use std::str::FromStr;
 pub(super) const MAGIC: &[u8] = b"#usda";
 
 /// Parses a layer.
-pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Layer, FormatError> {
+pub(super) fn read(bytes: &[u8], budget: &mut ReadBudget) -> Result<ParsedLayer, FormatError> {
     let text = str::from_utf8(bytes).map_err(|error| {
         FormatError::at(format!("byte {}", error.valid_up_to()), "the text is no UTF-8")
     })?;
-    let mut parser = Parser { text, at: 0, budget, layer: Layer::default(), open: Vec::new() };
+    let mut parser =
+        Parser { text, at: 0, budget, layer: ParsedLayer::default(), open: Vec::new() };
     parser.layer()?;
     Ok(parser.layer)
 }
@@ -30,8 +32,8 @@ struct Parser<'a, 'b> {
     text: &'a str,
     /// Byte to be read next.
     at: usize,
-    budget: &'b mut Budget,
-    layer: Layer,
+    budget: &'b mut ReadBudget,
+    layer: ParsedLayer,
     /// Prims whose `{` is not closed yet.
     open: Vec<OpenPrim<'a>>,
 }
@@ -557,7 +559,7 @@ impl<'a> Parser<'a, '_> {
         base: &str,
         is_array: bool,
         name: &'a str,
-    ) -> Result<(&mut Attribute, &mut bool), FormatError> {
+    ) -> Result<(&mut PrimAttribute, &mut bool), FormatError> {
         let Some(open) = self.open.last_mut() else {
             return Err(FormatError::at("layer", "an attribute outside all prims"));
         };
@@ -567,10 +569,10 @@ impl<'a> Parser<'a, '_> {
             let known = KnownAttribute { index: attributes.len(), has_default: false };
             open.attributes.insert(name, known);
             let brackets = if is_array { "[]" } else { "" };
-            let attribute = Attribute {
+            let attribute = PrimAttribute {
                 name: self.budget.text(name)?,
                 type_name: format!("{base}{brackets}"),
-                ..Attribute::default()
+                ..PrimAttribute::default()
             };
             self.budget.charge(base.len() as u64 + 2)?;
             self.budget.push(attributes, attribute)?;
@@ -588,10 +590,10 @@ impl<'a> Parser<'a, '_> {
         &mut self,
         kind: (Scalar, usize),
         is_array: bool,
-    ) -> Result<(Option<Value>, u64), FormatError> {
+    ) -> Result<(Option<ParsedValue>, u64), FormatError> {
         let mut samples = 0;
         self.expect(b'{')?;
-        let mut earliest: Option<(f64, Option<Value>)> = None;
+        let mut earliest: Option<(f64, Option<ParsedValue>)> = None;
         while !self.eat(b'}') {
             let time: f64 = self.number()?;
             samples += 1;
@@ -611,29 +613,29 @@ impl<'a> Parser<'a, '_> {
         &mut self,
         (scalar, per): (Scalar, usize),
         is_array: bool,
-    ) -> Result<Option<Value>, FormatError> {
+    ) -> Result<Option<ParsedValue>, FormatError> {
         self.blank();
         if self.text[self.at..].starts_with("None") {
             self.word();
             return Ok(None);
         }
         Ok(Some(match (scalar, per) {
-            (Scalar::Bool, _) => Value::Ints(self.items(is_array, Self::bool)?),
-            (Scalar::Int, _) => Value::Ints(self.items(is_array, Self::number)?),
-            (Scalar::Long, _) => Value::Longs(self.items(is_array, Self::long)?),
-            (Scalar::Float, 1) => Value::Floats(self.items(is_array, Self::number)?),
-            (Scalar::Float, 2) => Value::Float2s(
+            (Scalar::Bool, _) => ParsedValue::Ints(self.items(is_array, Self::bool)?),
+            (Scalar::Int, _) => ParsedValue::Ints(self.items(is_array, Self::number)?),
+            (Scalar::Long, _) => ParsedValue::Longs(self.items(is_array, Self::long)?),
+            (Scalar::Float, 1) => ParsedValue::Floats(self.items(is_array, Self::number)?),
+            (Scalar::Float, 2) => ParsedValue::Float2s(
                 self.items(is_array, |text| Ok(Vec2::from_array(text.tuple(Self::number)?)))?,
             ),
-            (Scalar::Float, 3) => Value::Float3s(
+            (Scalar::Float, 3) => ParsedValue::Float3s(
                 self.items(is_array, |text| Ok(Vec3::from_array(text.tuple(Self::number)?)))?,
             ),
-            (Scalar::Text, _) => Value::Texts(self.items(is_array, Self::any_text)?),
+            (Scalar::Text, _) => ParsedValue::Texts(self.items(is_array, Self::any_text)?),
             (Scalar::Float, _) => {
                 let parts = self.items(is_array, |text| text.tuple::<f32, 4>(Self::number))?;
                 self.budget.charge_items::<[f64; 4]>(parts.len() as u64)?;
                 let values = parts.as_flattened().iter().map(|&part| part as f64).collect();
-                Value::Doubles { per: 4, values }
+                ParsedValue::Doubles { per: 4, values }
             }
             (Scalar::Double, _) => self.doubles(per, is_array)?,
         }))
@@ -680,7 +682,7 @@ impl<'a> Parser<'a, '_> {
         Ok(values)
     }
 
-    fn doubles(&mut self, per: usize, is_array: bool) -> Result<Value, FormatError> {
+    fn doubles(&mut self, per: usize, is_array: bool) -> Result<ParsedValue, FormatError> {
         let values = match per {
             1 => self.items(is_array, Self::number)?,
             2 => self.items(is_array, |text| text.tuple::<f64, 2>(Self::number))?.into_flattened(),
@@ -692,7 +694,7 @@ impl<'a> Parser<'a, '_> {
                 self.items(is_array, matrix)?.into_flattened().into_flattened()
             }
         };
-        Ok(Value::Doubles { per, values })
+        Ok(ParsedValue::Doubles { per, values })
     }
 
     fn bool(&mut self) -> Result<i32, FormatError> {

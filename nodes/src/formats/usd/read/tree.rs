@@ -2,14 +2,14 @@
 //! And what composition makes of layers: the prims of a stage.
 
 use super::super::super::FormatError;
-use super::budget::Budget;
+use super::budget::ReadBudget;
 use glam::{Vec2, Vec3};
 
 /// The prim specs of a layer and its metadata.
 ///
 /// **Invariant:** parents come before their children.
 #[derive(Debug, Default)]
-pub(super) struct Layer {
+pub(super) struct ParsedLayer {
     pub(super) meters_per_unit: Option<f64>,
     pub(super) up_axis: Option<String>,
     pub(super) default_prim: Option<String>,
@@ -42,7 +42,7 @@ pub(super) struct Spec {
     /// Set and name of the variants that it selects.
     pub(super) selections: Vec<[String; 2]>,
     /// Those that [`is_wanted`], in file order.
-    pub(super) attributes: Vec<Attribute>,
+    pub(super) attributes: Vec<PrimAttribute>,
     /// Prims below it and its variants, in file order.
     pub(super) children: Vec<u32>,
     pub(super) variants: Vec<u32>,
@@ -116,17 +116,17 @@ pub(super) struct Prim {
     pub(super) name: String,
     pub(super) type_name: String,
     /// Those that [`is_wanted`], in file order.
-    pub(super) attributes: Vec<Attribute>,
+    pub(super) attributes: Vec<PrimAttribute>,
 }
 
 /// One attribute.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Attribute {
+pub(super) struct PrimAttribute {
     pub(super) name: String,
     pub(super) type_name: String,
     pub(super) interpolation: Option<String>,
     /// The default, else the earliest sample; `None` when blocked, missing or of an unread type.
-    pub(super) value: Option<Value>,
+    pub(super) value: Option<ParsedValue>,
     /// It is said to have no value, whatever weaker layers say.
     pub(super) is_blocked: bool,
     /// How many samples in time it has beside its value.
@@ -135,7 +135,7 @@ pub(super) struct Attribute {
 
 /// A value or an array; a single value is an array of one.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum ParsedValue {
     /// `int` and `bool`
     Ints(Vec<i32>),
     /// `int64` and unsigned integers, the largest wrapping.
@@ -153,7 +153,7 @@ pub(super) enum Value {
     Texts(Vec<String>),
 }
 
-impl Value {
+impl ParsedValue {
     /// All numbers in order; empty for texts. Only for the small values of transforms.
     pub(super) fn numbers(&self) -> Vec<f64> {
         match self {
@@ -214,9 +214,9 @@ pub(super) fn is_passed_down(attribute: &str) -> bool {
     matches!(attribute, "purpose" | "visibility") || attribute.starts_with("xformOp")
 }
 
-impl Layer {
+impl ParsedLayer {
     /// Makes children known to their parents, once all specs are there.
-    pub(super) fn index(&mut self, budget: &mut Budget) -> Result<(), FormatError> {
+    pub(super) fn index(&mut self, budget: &mut ReadBudget) -> Result<(), FormatError> {
         for at in 0..self.specs.len() {
             let (parent, is_variant) = (self.specs[at].parent, self.specs[at].variant_of.is_some());
             let list = match (parent, is_variant) {
@@ -243,7 +243,7 @@ impl Layer {
     }
 
     /// Path of the prim that a spec is of, charged for.
-    pub(super) fn path(&self, spec: usize, budget: &mut Budget) -> Result<String, FormatError> {
+    pub(super) fn path(&self, spec: usize, budget: &mut ReadBudget) -> Result<String, FormatError> {
         let mut next = Some(spec);
         let names = std::iter::from_fn(|| {
             let spec = &self.specs[next?];
@@ -256,7 +256,7 @@ impl Layer {
 
 impl Stage {
     /// Path of a prim, charged for.
-    pub(super) fn path(&self, prim: usize, budget: &mut Budget) -> Result<String, FormatError> {
+    pub(super) fn path(&self, prim: usize, budget: &mut ReadBudget) -> Result<String, FormatError> {
         let mut next = Some(prim);
         let names = std::iter::from_fn(|| {
             let prim = &self.prims[next?];
@@ -270,7 +270,7 @@ impl Stage {
 /// A path from its names, the last first.
 fn path_of<'n>(
     up: impl Iterator<Item = &'n str>,
-    budget: &mut Budget,
+    budget: &mut ReadBudget,
 ) -> Result<String, FormatError> {
     let mut names = Vec::new();
     for name in up {

@@ -2,8 +2,8 @@
 
 use super::super::super::FormatError;
 use super::super::form::Form;
-use super::budget::Budget;
-use super::tree::Value;
+use super::budget::ReadBudget;
+use super::tree::ParsedValue;
 use glam::{Vec2, Vec3};
 
 /// Diameters of curves.
@@ -46,13 +46,13 @@ pub enum ReadValues {
 }
 
 /// How many values of each interpolation a prim asks for.
-pub(super) struct Shape {
+pub(super) struct InterpolationCounts {
     curves: usize,
     points: usize,
     varying: usize,
 }
 
-impl Shape {
+impl InterpolationCounts {
     pub(super) fn of(form: Form, counts: &[u32], points: usize) -> Self {
         let varying = counts.iter().map(|count| form.varying(*count as usize)).sum();
         Self { curves: counts.len(), points, varying }
@@ -82,7 +82,7 @@ pub(super) struct Unresolved {
     pub(super) name: String,
     pub(super) type_name: String,
     pub(super) interpolation: Option<String>,
-    pub(super) value: Value,
+    pub(super) value: ParsedValue,
 }
 
 impl Unresolved {
@@ -90,8 +90,8 @@ impl Unresolved {
     pub(super) fn resolve(
         self,
         indices: Option<&[i32]>,
-        shape: &Shape,
-        budget: &mut Budget,
+        shape: &InterpolationCounts,
+        budget: &mut ReadBudget,
     ) -> Result<Result<ReadPrimvar, String>, FormatError> {
         let interpolation = self.interpolation.unwrap_or_else(|| "constant".into());
         let Some(mut values) = read_values(self.value, budget)? else {
@@ -133,7 +133,7 @@ impl ReadValues {
     fn at_indices(
         &self,
         indices: &[i32],
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Option<Self>, FormatError> {
         Ok(match self {
             Self::Int(values) => pick(values, indices, budget)?.map(Self::Int),
@@ -155,7 +155,7 @@ impl ReadValues {
 fn pick<T: Clone>(
     values: &[T],
     indices: &[i32],
-    budget: &mut Budget,
+    budget: &mut ReadBudget,
 ) -> Result<Option<Vec<T>>, FormatError> {
     budget.charge_items::<T>(indices.len() as u64)?;
     let at = |&index: &i32| values.get(usize::try_from(index).ok()?).cloned();
@@ -163,15 +163,18 @@ fn pick<T: Clone>(
 }
 
 /// Values as primvars have them; `None` for types that curves have no use for.
-fn read_values(value: Value, budget: &mut Budget) -> Result<Option<ReadValues>, FormatError> {
+fn read_values(
+    value: ParsedValue,
+    budget: &mut ReadBudget,
+) -> Result<Option<ReadValues>, FormatError> {
     Ok(Some(match value {
-        Value::Ints(values) => ReadValues::Int(values),
-        Value::Longs(values) => ReadValues::Int64(values),
-        Value::Floats(values) => ReadValues::Float(values),
-        Value::Float2s(values) => ReadValues::Float2(values),
-        Value::Float3s(values) => ReadValues::Float3(values),
-        Value::Texts(values) => ReadValues::Text(values),
-        Value::Doubles { per, values } => {
+        ParsedValue::Ints(values) => ReadValues::Int(values),
+        ParsedValue::Longs(values) => ReadValues::Int64(values),
+        ParsedValue::Floats(values) => ReadValues::Float(values),
+        ParsedValue::Float2s(values) => ReadValues::Float2(values),
+        ParsedValue::Float3s(values) => ReadValues::Float3(values),
+        ParsedValue::Texts(values) => ReadValues::Text(values),
+        ParsedValue::Doubles { per, values } => {
             budget.charge_items::<f32>(values.len() as u64)?;
             match per {
                 1 => ReadValues::Float(values.iter().map(|&value| value as f32).collect()),

@@ -4,8 +4,8 @@
 //! vectors, which is the same 16 numbers in the same order.
 
 use super::super::super::FormatError;
-use super::budget::Budget;
-use super::tree::{Attribute, Prim, Stage, Value};
+use super::budget::ReadBudget;
+use super::tree::{ParsedValue, Prim, PrimAttribute, Stage};
 use glam::{DMat4, DVec3};
 
 /// Most operations in one prim's transform. Maya's pivots need about a dozen; each is searched by
@@ -28,7 +28,7 @@ impl World {
     pub(super) fn of_prims(
         stage: &Stage,
         centimetres_from_stage: DMat4,
-        budget: &mut Budget,
+        budget: &mut ReadBudget,
     ) -> Result<Vec<Self>, FormatError> {
         budget.charge_items::<Self>(stage.prims.len() as u64)?;
         let mut worlds: Vec<Self> = Vec::with_capacity(stage.prims.len());
@@ -55,7 +55,7 @@ impl World {
     }
 
     /// Refuses curves below a transform that is not understood, with the reason.
-    pub(super) fn check(&self, stage: &Stage, budget: &mut Budget) -> Result<(), FormatError> {
+    pub(super) fn check(&self, stage: &Stage, budget: &mut ReadBudget) -> Result<(), FormatError> {
         let Some(fault) = self.fault else { return Ok(()) };
         match Local::of(&stage.prims[fault]) {
             Err(reason) => Err(FormatError::at(stage.path(fault, budget)?, reason)),
@@ -82,14 +82,14 @@ fn text_of<'p>(prim: &'p Prim, name: &str) -> Option<&'p str> {
     find(prim, name)?.value.as_ref()?.as_text()
 }
 
-fn find<'a>(prim: &'a Prim, name: &str) -> Option<&'a Attribute> {
+fn find<'a>(prim: &'a Prim, name: &str) -> Option<&'a PrimAttribute> {
     prim.attributes.iter().find(|attribute| attribute.name == name)
 }
 
 /// The transform operations that a prim lists and says no value of that is read: they do nothing, in USD where there is none.
 pub(super) fn operations_without_value(prim: &Prim) -> Vec<&str> {
     let order = find(prim, "xformOpOrder").and_then(|attribute| attribute.value.as_ref());
-    let Some(Value::Texts(order)) = order else { return vec![] };
+    let Some(ParsedValue::Texts(order)) = order else { return vec![] };
     let names = order.iter().filter(|name| *name != "!resetXformStack!").take(MOST_OPERATIONS);
     let plain = names.map(|name| name.strip_prefix("!invert!").unwrap_or(name));
     plain
@@ -109,7 +109,7 @@ impl Local {
     fn of(prim: &Prim) -> Result<Self, String> {
         let mut local = Self::NONE;
         let order = find(prim, "xformOpOrder").and_then(|attribute| attribute.value.as_ref());
-        let Some(Value::Texts(order)) = order else { return Ok(local) };
+        let Some(ParsedValue::Texts(order)) = order else { return Ok(local) };
         if order.len() > MOST_OPERATIONS {
             return Err(format!(
                 "{} transform operations, more than {MOST_OPERATIONS}",

@@ -8,14 +8,14 @@ use glam::{Vec2, Vec3};
 
 /// A hair that has left its braid.
 #[derive(Clone, Copy)]
-pub(super) struct Parted {
+pub(super) struct Flyaway {
     from: Vec3,
     along: Vec3,
     out: Vec3,
     length: f32,
 }
 
-impl Parted {
+impl Flyaway {
     pub(super) fn new(tube: &Tube, from: f32, q: Vec2, end: f32) -> Self {
         let section = tube.section(from);
         let out = (section.x * q.x + section.y * q.y).normalize_or(section.y.normalize_or(Vec3::Y));
@@ -34,7 +34,7 @@ impl Parted {
 }
 
 /// A hair's slow wandering in the cross-section.
-pub(super) struct Wander {
+pub(super) struct CrossSectionWalk {
     dice: Dice,
     id: u64,
     amount: f32,
@@ -48,7 +48,7 @@ pub(super) struct Wander {
 /// Wavelength of the wandering, cm.
 const WANDER: f32 = 0.9;
 
-impl Wander {
+impl CrossSectionWalk {
     pub(super) fn new(manner: &Manner, id: u64, step: f32) -> Self {
         let at = |index: u64| {
             Vec2::new(manner.dice.signed(id, index), manner.dice.signed(id, index + 1))

@@ -4,7 +4,7 @@ use super::dialogs::System;
 use super::journal::{self, Journal};
 use super::kept;
 use super::recent::Recent;
-use crate::core::event::Event as EditorEvent;
+use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::settings::Settings;
 use crate::editor::{Editor, layout};
@@ -58,11 +58,11 @@ impl Editor {
         documents.dialogs.get_or_insert_with(|| Box::new(System::new(wake)));
         documents.settings = Some(self.state.settings.clone());
         documents.home = Some(home);
-        told.into_iter().for_each(|text| self.state.apply(EditorEvent::Say(Note::warning(text))));
+        told.into_iter().for_each(|text| self.state.apply(Event::Say(Note::warning(text))));
         if let Some(path) = self.state.file.path.clone()
             && let Err(why) = self.documents.recent.add(&path)
         {
-            self.state.apply(EditorEvent::Say(Note::warning(why)));
+            self.state.apply(Event::Say(Note::warning(why)));
         }
         show_settings(self, ctx);
     }
@@ -70,7 +70,7 @@ impl Editor {
     /// Opens the welcome panel, unless somebody does not want it.
     pub fn greet(&mut self) {
         if self.state.settings.welcome {
-            self.apply_to_file(super::Event::Welcome(true));
+            self.apply_to_file(super::DocumentEvent::Welcome(true));
         }
     }
 
@@ -80,7 +80,7 @@ impl Editor {
         let stored = kept::store(&home.settings(), &self.state.settings)
             .and_then(|()| kept::store_text(&home.layout(), &layout::write_layout(&self.dock)));
         if let Err(why) = stored {
-            self.state.apply(EditorEvent::Say(Note::warning(why)));
+            self.state.apply(Event::Say(Note::warning(why)));
         }
     }
 
