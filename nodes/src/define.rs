@@ -8,10 +8,10 @@ use crate::data::curves::Curves;
 use crate::data::field::Field;
 use crate::data::gestures::Gestures;
 use crate::data::ramp::Ramp;
-use crate::data::scalp::Scalp;
+use crate::data::scalp::{HeadFrame, Scalp};
 use crate::data::shapes::ShapeList;
 use crate::data::strokes::Strokes;
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, TracedScalp};
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -57,6 +57,8 @@ pub struct InputDef {
     pub ty: Type,
     /// How many it takes.
     pub arity: Arity,
+    /// Whether the node's pieces note what they read of it.
+    traced: bool,
     preset: Preset,
     /// Values outside are clamped with a warning, typed or wired.
     pub hard: Option<(f64, f64)>,
@@ -452,6 +454,8 @@ pub trait Input: Sized {
     const TYPE: Type;
     /// How many values it takes.
     const ARITY: Arity = Arity::One;
+    /// Whether the node's pieces note what they read of it.
+    const TRACED: bool = false;
     /// Reads what is set or wired (or the default).
     fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError>;
     /// Brings what was typed to true centimetres, where a typed one stands for `unit` of them.
@@ -687,6 +691,37 @@ optional_and_many! {
     Arc<Scalp>, Scalp;
 }
 
+impl Input for Option<TracedScalp> {
+    const TYPE: Type = Type::Scalp;
+    const ARITY: Arity = Arity::Optional;
+    const TRACED: bool = true;
+    fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        let scalp = Option::<Arc<Scalp>>::read(cx, values, def)?;
+        Ok(scalp.map(TracedScalp::new))
+    }
+}
+
+/// An input that may say how large a head is.
+pub(crate) trait Headed {
+    /// The frame of the head.
+    fn frame(&self) -> Option<&HeadFrame>;
+}
+impl Headed for Arc<Scalp> {
+    fn frame(&self) -> Option<&HeadFrame> {
+        Some(Scalp::frame(self))
+    }
+}
+impl Headed for TracedScalp {
+    fn frame(&self) -> Option<&HeadFrame> {
+        Some(self.head().frame())
+    }
+}
+impl<T: Headed> Headed for Option<T> {
+    fn frame(&self) -> Option<&HeadFrame> {
+        self.as_ref().and_then(T::frame)
+    }
+}
+
 /// Numbers and shapes that may be left unset, such as those a preset fills in.
 macro_rules! optional {
     ($($ty:ty),*) => {$(
@@ -775,6 +810,7 @@ impl InputDef {
             doc,
             ty: T::TYPE,
             arity: T::ARITY,
+            traced: T::TRACED,
             preset: Preset::None,
             hard: None,
             soft: None,
@@ -807,6 +843,7 @@ impl InputDef {
             holds: None,
             ty,
             arity,
+            traced: false,
             preset,
             hard,
             soft,
@@ -864,6 +901,16 @@ impl InputDef {
             Preset::None => None,
             Preset::Made(make) => Some(make()),
             Preset::Is(value) => Some((*value).clone()),
+        }
+    }
+    /// The key of a value as pieces read it that note what they read: without what they note; none where what is read of it may come of
+    /// that unnoted.
+    pub fn key_untraced(&self, value: &Value) -> Option<Key> {
+        match value {
+            Value::Scalp(scalp) if self.traced => Some(scalp.key_untraced()),
+            // A mask may be a section, and fields are read outside of pieces too.
+            Value::Field(field) if field.has_mask() => None,
+            value => Some(value.key()),
         }
     }
     /// Whether there is such a value.
@@ -982,7 +1029,7 @@ fn paragraphs(lines: &[&str]) -> String {
 macro_rules! node {
     (@head $inputs:ident, $values:ident) => { std::option::Option::None };
     (@head $inputs:ident, $values:ident, scales $(, $flag:ident)*) => {
-        Option::<&std::sync::Arc<$crate::data::scalp::Scalp>>::from(&$inputs.scalp).filter(|_| NODE.grows($inputs.scale_with_head, $values))
+        $crate::define::Headed::frame(&$inputs.scalp).filter(|_| NODE.grows($inputs.scale_with_head, $values))
     };
     (@head $inputs:ident, $values:ident, $other:ident $(, $flag:ident)*) => {
         $crate::define::node!(@head $inputs, $values $(, $flag)*)

@@ -6,7 +6,7 @@
 use super::{Inputs, Keep, Numbers, Pattern};
 use crate::data::attributes::FIBRE;
 use crate::define::NodeError;
-use crate::eval::Size;
+use crate::eval::{Size, TracedScalp};
 
 /// Fewest points on a turn, where chords cut its corners (winding.rs: eight requested).
 const ON_A_TURN: f32 = 6.5;
@@ -27,7 +27,7 @@ pub(super) fn foreseen(
     let longest = spread * pattern.even.pitch / (1.0 - frequency).max(0.1);
     let widest = spread * pattern.even.size * (1.0 + amplitude);
     let around = pattern.shapes.iter().fold(0.0, |most: f32, shape| most.max(shape.perimeter));
-    let scalp = inputs.scalp.as_deref();
+    let scalp = inputs.scalp.as_ref().map(TracedScalp::for_fields);
     let mut points = 0.0f64;
     for tuft in inputs.curves.tufts() {
         let pitch = inputs.pitch.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;
