@@ -216,7 +216,11 @@ mod tests {
         p.map_or(vec![], |p| p.to_array().map(|x| u64::from(x.to_bits())).to_vec())
     }
 
-    const QUERIES: [(&str, Query); 13] = [
+    const QUERIES: [(&str, Query); 14] = [
+        // Too long to be looked at by boxes.
+        ("a long way over lines", |scalp, p, q| {
+            vec![u64::from(scalp.sections().unwrap().passed(p, p + (q - p) * 8.0, 0.0))]
+        }),
         ("a root's section", |scalp, p, _| {
             let root = scalp.closest_root(p).unwrap();
             let sections = scalp.sections().unwrap();

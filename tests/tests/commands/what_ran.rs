@@ -423,8 +423,13 @@ fn any_modifier(any: Any) -> String {
 
 /// Hair of a maker on a parted scalp, and some modifiers after it, all of which run by place.
 fn any_graph(any: Any) -> String {
-    let (made, nodes, links) = match any.of(7, &["guides", "clusters", "braids"]) {
-        "guides" => ("guides.curves", "", ""),
+    let (made, nodes, links) = match any.of(7, &["hang", "clusters", "braids"]) {
+        // It lies over partings that its scalp does not have.
+        "hang" => (
+            "hang.curves",
+            r#""hang": (kind: "hang", inputs: {"clearance": 0.1, "length": 14.0, "points": 24, "separate": false}),"#,
+            r#""hang.roots": "guides.curves", "hang.scalp": "head.scalp","#,
+        ),
         "clusters" => (
             "clusters.curves",
             r#""clusters": (kind: "cluster_to_strands", inputs: {"count": 8, "points": 12, "radius": 0.8}),"#,
@@ -486,7 +491,7 @@ fn lines_at(ends: &[(u64, [f32; 2])]) -> Strokes {
 fn however_partings_move_under_whatever_nodes_the_hair_is_that_of_a_run_that_keeps_nothing() {
     let dice = Dice::new(0, 0, "partings under graphs");
     let mut reused = BTreeMap::<&str, u32>::new();
-    for trial in 0..6 {
+    for trial in 0..8 {
         let any = Any(dice, trial);
         let graph = any_graph(any);
         let mut kept = Session::of(&graph, ["out.curves", "parted.rows"]);
