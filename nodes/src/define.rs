@@ -499,6 +499,15 @@ impl FieldInput {
     ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
         Ok(self.field.in_cm(tuft, scalp, self.range, self.unit)?)
     }
+    /// The same outside of pieces that run by place: where a field has a mask, which may be a section, nothing is traced
+    /// ([`InputDef::key_untraced`]).
+    pub fn on_traced<'a>(
+        &'a self,
+        tuft: &'a crate::data::curves::Tuft,
+        scalp: Option<&TracedScalp>,
+    ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
+        self.on(tuft, scalp.map(TracedScalp::for_fields))
+    }
     /// The value, when it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
         self.field.constant().map(|x| x.max(self.range.0).min(self.range.1) * self.unit)

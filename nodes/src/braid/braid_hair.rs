@@ -164,7 +164,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let fill: Vec<_> = all.tufts()[..of_strands]
         .iter()
-        .map(|tuft| inputs.fill.on(tuft, inputs.scalp.as_ref().map(TracedScalp::for_fields)))
+        .map(|tuft| inputs.fill.on_traced(tuft, inputs.scalp.as_ref()))
         .collect::<Result<_, _>>()?;
     let knot = match inputs.root_start {
         RootStart::Knotted => Some((inputs.knot_size, inputs.knot_length)),

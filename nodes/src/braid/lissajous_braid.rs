@@ -261,13 +261,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 /// Lower bound for the points of all strands up to their ties: stitches are assumed as long as they can be.
 fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     let inputs = plan.inputs;
-    let scalp = inputs.scalp.as_ref().map(TracedScalp::for_fields);
+    let scalp = inputs.scalp.as_ref();
     let longest = 1.0 + 0.7 * inputs.uneven_stitches;
     let mut all = 0.0;
     for tuft in inputs.source.tufts() {
-        let count = inputs.stitches.on(tuft, scalp)?;
-        let spacing = inputs.stitch_spacing.on(tuft, scalp)?;
-        let width = inputs.width.on(tuft, scalp)?;
+        let count = inputs.stitches.on_traced(tuft, scalp)?;
+        let spacing = inputs.stitch_spacing.on_traced(tuft, scalp)?;
+        let width = inputs.width.on_traced(tuft, scalp)?;
         for curve in 0..tuft.len() {
             let most = |field: &Sampler| {
                 (0..=64).map(|k| field.along(tuft, curve, k as f32 / 64.0)).fold(0.0, f32::max)

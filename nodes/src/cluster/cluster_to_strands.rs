@@ -134,7 +134,6 @@ pub(super) const COARSE: &str = "strands of a cluster have all the points that m
      ask: twist it less, or raise most_points";
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let fields = inputs.scalp.as_ref().map(TracedScalp::for_fields);
     let unit = cx.unit();
     let skin = inputs.scalp.as_ref().map(|scalp| cx.skin(scalp.head()));
     let filler = Filler {
@@ -161,9 +160,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (mut thin, mut example) = (0, None);
     for tuft in inputs.curves.tufts() {
         cx.check()?;
-        let radius = inputs.radius.on(tuft, fields)?;
+        let scalp = inputs.scalp.as_ref();
+        let radius = inputs.radius.on_traced(tuft, scalp)?;
         let (density, other) =
-            (inputs.density.on(tuft, fields)?, inputs.flatness.on(tuft, fields)?);
+            (inputs.density.on_traced(tuft, scalp)?, inputs.flatness.on_traced(tuft, scalp)?);
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
             let asked = super::cross_sections::Asked {

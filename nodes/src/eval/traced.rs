@@ -1,8 +1,8 @@
 //! Pieces that run by place: kept under a key without partings, with what each read of them.
 //!
-//! Guarantees: what comes of partings reaches a node whose scalp is a [`TracedScalp`] by two doors: in its pieces, where it is noted
-//! ([`super::Piece::scalp`]), and by fields, of which those with masks keep a node from running by place. So a piece is taken again only
-//! where it would come out the same. Not promised: anything where one piece hands to another what it read.
+//! Guarantees: what comes of partings reaches a node whose scalp is a [`TracedScalp`] in its pieces alone, where it is noted
+//! ([`super::Piece::scalp`]), and by fields; those that may read sections, which are masks, keep a node from running by place. So a piece
+//! is taken again only where it would come out the same. Not promised: anything where one piece hands to another what it read.
 
 use super::EvalCx;
 use crate::data::read_set::Footprint;
@@ -31,7 +31,7 @@ impl TracedScalp {
     pub fn head(&self) -> &Scalp {
         &self.head
     }
-    /// The scalp for fields that are read outside of pieces: where one has a mask, which may be a section, nothing is traced.
+    /// With partings, for [`crate::define::FieldInput::on_traced`] alone.
     pub(crate) fn for_fields(&self) -> &Scalp {
         &self.scalp
     }
