@@ -1,6 +1,6 @@
 //! What of a scalp's sections a piece of work has read, so that it need not run again where a parting moves elsewhere.
 //!
-//! Sections as a piece sees them ([`Sections::noting`]) carry [`Reads`]: whatever is asked of them about a place is noted there, as a
+//! Sections as a piece sees them (`Sections::noting`) carry `Reads`: whatever is asked of them about a place is noted there, as a
 //! tile of the scalp's map or a block of space. Afterwards a [`Footprint`] holds what the sections say there, and tells of other
 //! sections of the same head whether they say the same. Work that reads nothing else that differs then gives the same result on both.
 //!
@@ -9,7 +9,6 @@
 //! stay, which only tell one from another within a piece; nor anything for what is read through other handles: whoever runs a piece sees
 //! to it that it holds none ([`TracedScalp`]).
 //!
-//! [`Sections::noting`]: super::sections::Sections
 //! [`TracedScalp`]: crate::eval::TracedScalp
 
 use super::chart::CELLS;
