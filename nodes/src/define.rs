@@ -8,10 +8,10 @@ use crate::data::curves::Curves;
 use crate::data::field::Field;
 use crate::data::gestures::Gestures;
 use crate::data::ramp::Ramp;
-use crate::data::scalp::Scalp;
+use crate::data::scalp::{HeadFrame, Scalp};
 use crate::data::shapes::ShapeList;
 use crate::data::strokes::Strokes;
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, TracedScalp};
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -56,6 +56,8 @@ pub struct InputDef {
     pub ty: Type,
     /// Number of values it takes.
     pub arity: Arity,
+    /// Whether the node's pieces note what they read of it.
+    traced: bool,
     preset: Preset,
     /// Hard range: typed and wired values are clamped to it with a warning.
     pub hard: Option<(f64, f64)>,
@@ -451,6 +453,8 @@ pub trait Input: Sized {
     const TYPE: Type;
     /// Number of values it takes.
     const ARITY: Arity = Arity::One;
+    /// Whether the node's pieces note what they read of it.
+    const TRACED: bool = false;
     /// Reads the wired or set value, or the default.
     fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError>;
     /// Converts a typed value to true centimetres, of which a typed one is `unit`.
@@ -492,6 +496,15 @@ impl FieldInput {
         scalp: Option<&Scalp>,
     ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
         Ok(self.field.in_cm(tuft, scalp, self.range, self.unit)?)
+    }
+    /// The same outside of pieces that run by place: where a field has a mask, which may be a section, nothing is traced
+    /// ([`InputDef::key_untraced`]).
+    pub fn on_traced<'a>(
+        &'a self,
+        tuft: &'a crate::data::curves::Tuft,
+        scalp: Option<&TracedScalp>,
+    ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
+        self.on(tuft, scalp.map(TracedScalp::for_fields))
     }
     /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
@@ -684,6 +697,37 @@ optional_and_many! {
     Arc<Scalp>, Scalp;
 }
 
+impl Input for Option<TracedScalp> {
+    const TYPE: Type = Type::Scalp;
+    const ARITY: Arity = Arity::Optional;
+    const TRACED: bool = true;
+    fn read(cx: &EvalCx, values: &[Value], def: &InputDef) -> Result<Self, NodeError> {
+        let scalp = Option::<Arc<Scalp>>::read(cx, values, def)?;
+        Ok(scalp.map(TracedScalp::new))
+    }
+}
+
+/// An input that may say how large a head is.
+pub(crate) trait Headed {
+    /// The frame of the head.
+    fn frame(&self) -> Option<&HeadFrame>;
+}
+impl Headed for Arc<Scalp> {
+    fn frame(&self) -> Option<&HeadFrame> {
+        Some(Scalp::frame(self))
+    }
+}
+impl Headed for TracedScalp {
+    fn frame(&self) -> Option<&HeadFrame> {
+        Some(self.head().frame())
+    }
+}
+impl<T: Headed> Headed for Option<T> {
+    fn frame(&self) -> Option<&HeadFrame> {
+        self.as_ref().and_then(T::frame)
+    }
+}
+
 /// Numbers and shapes that may be unset, such as those that a preset fills in.
 macro_rules! optional {
     ($($ty:ty),*) => {$(
@@ -772,6 +816,7 @@ impl InputDef {
             doc,
             ty: T::TYPE,
             arity: T::ARITY,
+            traced: T::TRACED,
             preset: Preset::None,
             hard: None,
             soft: None,
@@ -804,6 +849,7 @@ impl InputDef {
             holds: None,
             ty,
             arity,
+            traced: false,
             preset,
             hard,
             soft,
@@ -861,6 +907,16 @@ impl InputDef {
             Preset::None => None,
             Preset::Made(make) => Some(make()),
             Preset::Is(value) => Some((*value).clone()),
+        }
+    }
+    /// The key of a value as pieces read it that note what they read: without what they note; none where what is read of it may come of
+    /// that unnoted.
+    pub fn key_untraced(&self, value: &Value) -> Option<Key> {
+        match value {
+            Value::Scalp(scalp) if self.traced => Some(scalp.key_untraced()),
+            // A mask may be a section, and fields are read outside of pieces too.
+            Value::Field(field) if field.has_mask() => None,
+            value => Some(value.key()),
         }
     }
     /// Whether it has a default value.
@@ -978,7 +1034,7 @@ fn paragraphs(lines: &[&str]) -> String {
 macro_rules! node {
     (@head $inputs:ident, $values:ident) => { std::option::Option::None };
     (@head $inputs:ident, $values:ident, scales $(, $flag:ident)*) => {
-        Option::<&std::sync::Arc<$crate::data::scalp::Scalp>>::from(&$inputs.scalp).filter(|_| NODE.grows($inputs.scale_with_head, $values))
+        $crate::define::Headed::frame(&$inputs.scalp).filter(|_| NODE.grows($inputs.scale_with_head, $values))
     };
     (@head $inputs:ident, $values:ident, $other:ident $(, $flag:ident)*) => {
         $crate::define::node!(@head $inputs, $values $(, $flag)*)

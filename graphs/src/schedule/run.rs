@@ -12,7 +12,7 @@ use super::plan::{Plan, Source, Step};
 use super::result::{NodeReport, Outcome};
 use coif_nodes::data::gestures::Replayed;
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::define::{NodeError, Type, Value};
+use coif_nodes::define::{InputDef, NodeError, Type, Value};
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, MOST_POINTS, Message, Quality, Room};
 use coif_nodes::maths::hash::{Key, KeyBuilder};
 use rayon::prelude::*;
@@ -279,7 +279,7 @@ impl Evaluator {
             let host = PoolHost { evaluator: self, pool, cancel, progress, node: &step.name, most };
             let mut cx = EvalCx::new(plan.seed, plan.quality, keys.node, &host, &log);
             // Who keeps nothing need not know what was read.
-            cx.node_by_place = keys.node_by_place.filter(|_| !self.cache().is_off());
+            cx.node_untraced = keys.node_untraced.filter(|_| !self.cache().is_off());
             let ran = std::panic::catch_unwind(AssertUnwindSafe(|| (step.def.run)(&cx, &inputs)));
             let result = ran.unwrap_or_else(|panic| {
                 let text = panic
@@ -359,35 +359,26 @@ struct Known {
 struct Keys {
     /// Of the node and its values: see [`EvalCx::node`].
     node: Key,
-    /// See [`EvalCx::node_by_place`].
-    node_by_place: Option<Key>,
+    /// See [`EvalCx::node_untraced`].
+    node_untraced: Option<Key>,
     /// The key that also counts the curves it reads.
     whole: Key,
 }
 
 impl Keys {
     fn new(step: &Step, inputs: &[Vec<Value>], seed: u64, quality: Quality) -> Self {
-        let node = node_key(step, inputs, (seed, quality), &Value::key);
+        let key = |of: &dyn Fn(&InputDef, &Value) -> Option<Key>| {
+            node_key(step, inputs, (seed, quality), of)
+        };
+        let node = key(&|_, value| Some(value.key())).expect("a value has a key");
+        let node_untraced = key(&InputDef::key_untraced).filter(|untraced| *untraced != node);
         let mut curves = KeyBuilder::new("reads").key(node);
         for (def, values) in step.def.inputs.iter().zip(inputs) {
             if is_list(def.ty) {
                 curves = values.iter().fold(curves.text(def.name), |key, v| key.key(v.key()));
             }
         }
-        let mut scalps = inputs.iter().flatten().filter_map(|value| match value {
-            Value::Scalp(scalp) => Some(scalp.key_without_partings()),
-            _ => None,
-        });
-        let one_scalp = scalps.next().flatten().filter(|_| scalps.next().is_none());
-        let has_mask = |value: &Value| matches!(value, Value::Field(field) if field.has_mask());
-        let by_place = one_scalp.filter(|_| !inputs.iter().flatten().any(has_mask));
-        let node_by_place = by_place.map(|parted| {
-            node_key(step, inputs, (seed, quality), &|value| match value {
-                Value::Scalp(_) => parted,
-                other => other.key(),
-            })
-        });
-        Self { node, node_by_place, whole: curves.finish() }
+        Self { node, node_untraced, whole: curves.finish() }
     }
 }
 
@@ -397,12 +388,13 @@ fn is_list(ty: Type) -> bool {
     matches!(ty, Type::Curves | Type::Strokes | Type::Gestures)
 }
 
+/// The key of a node and its values but for lists; none where a value has none.
 fn node_key(
     step: &Step,
     inputs: &[Vec<Value>],
     (seed, quality): (u64, Quality),
-    key_of: &dyn Fn(&Value) -> Key,
-) -> Key {
+    key_of: &dyn Fn(&InputDef, &Value) -> Option<Key>,
+) -> Option<Key> {
     let mut node = KeyBuilder::new(step.def.id).int(u64::from(step.def.version)).int(seed);
     if step.def.thins {
         node = node.int(quality as u64);
@@ -416,9 +408,12 @@ fn node_key(
         if values.len() == 1 && default == Some(values[0].key()) {
             continue;
         }
-        node = values.iter().fold(node.text(def.name), |key, v| key.key(key_of(v)));
+        node = node.text(def.name);
+        for value in values {
+            node = node.key(key_of(def, value)?);
+        }
     }
-    node.finish()
+    Some(node.finish())
 }
 
 /// The first curves that a node reads, for every output that gives curves; none when an output gives something else or

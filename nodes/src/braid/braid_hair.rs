@@ -19,14 +19,14 @@ use crate::data::attributes::{
 };
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
-use crate::data::scalp::{Scalp, Skin};
+use crate::data::scalp::Skin;
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::{EvalCx, Piece, Size};
+use crate::eval::{EvalCx, Piece, Size, TracedScalp};
 use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 node! {
     /// Fills braids with hair that grows: from its root over the scalp to its stitch, into the outermost braid strand
@@ -44,7 +44,7 @@ node! {
         /// Stitches of the braids.
         stitches: Option<Curves>, words("knots");
         /// The head. Hair stays out of it.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// How much of its strand the hair fills: 1 is the tube that just touches its neighbours; more presses strands
         /// together and closes the gaps between them. Varies along the strand.
         fill: FieldInput = 1.3, hard(0.1, 3.0), soft(0.7, 1.5), unit(Ratio), words("fullness volume radius thickness");
@@ -128,7 +128,7 @@ choice! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
+    let head = inputs.scalp.as_ref().map(TracedScalp::head);
     // Strands and stitches by row; a work item reads those of the rows that its hairs belong to.
     let empty = Curves::default();
     let stitch_curves = inputs.stitches.as_ref().unwrap_or(&empty);
@@ -149,7 +149,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         Ok(foreseen(&inputs, stitch_curves))
     })?;
     let braids: Vec<OnceLock<Option<Braid>>> = (0..of_strands).map(|_| OnceLock::new()).collect();
-    let skin = scalp.map(|scalp| cx.skin(scalp));
+    let skin = head.map(|head| cx.skin(head));
     let (skin, for_hair) = (skin.as_ref(), skin.and_then(Skin::for_hair));
     let manner = Manner {
         settling: inputs.settling,
@@ -164,7 +164,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let fill: Vec<_> = all.tufts()[..of_strands]
         .iter()
-        .map(|tuft| inputs.fill.on(tuft, scalp))
+        .map(|tuft| inputs.fill.on_traced(tuft, inputs.scalp.as_ref()))
         .collect::<Result<_, _>>()?;
     let knot = match inputs.root_start {
         RootStart::Knotted => Some((inputs.knot_size, inputs.knot_length)),
@@ -209,12 +209,12 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         needed.dedup();
         needed
     };
-    let placed = cx.by_place(scalp);
+    let placed = cx.by_place(inputs.scalp.as_ref());
     let [curves, extension] =
         placed.each_tuft_with(&inputs.roots, &all, needs, |tuft, _, piece| {
             let filler = Filler {
                 inputs: &inputs,
-                tracer: HairTracer::new(&manner, scalp, for_hair.as_ref()),
+                tracer: HairTracer::new(&manner, piece.scalp(), for_hair.as_ref()),
             };
             filler.fill(tuft, &of_row, piece)
         })?;

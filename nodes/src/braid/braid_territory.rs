@@ -344,11 +344,7 @@ impl Maker<'_> {
         let probes = (f64::from(self.probes()) * self.even.area()) as usize;
         let last = last.max(probes);
         let batches = last.div_ceil(BATCH);
-        let found: Vec<OnceLock<Vec<Place>>> = (0..batches).map(|_| OnceLock::new()).collect();
-        cx.host.for_each(batches, &|b| {
-            if cx.host.cancelled() || self.ground.lanes.is_empty() {
-                return;
-            }
+        let found = cx.map(if self.ground.lanes.is_empty() { 0 } else { batches }, |b| {
             let place = |index: u32| {
                 let root = self.even.root(index)?;
                 let owner = self.owner(&root)?;
@@ -357,12 +353,11 @@ impl Maker<'_> {
                 Some(Place { index, root, owner, side })
             };
             let range = (b * BATCH) as u32..last.min((b + 1) * BATCH) as u32;
-            let _ = found[b].set(range.filter_map(place).collect());
-        });
-        cx.check()?;
+            Ok(range.filter_map(place).collect::<Vec<Place>>())
+        })?;
         let mut rows = vec![vec![]; self.ground.lanes.len()];
         let mut few = vec![0; rows.len()];
-        for place in found.into_iter().filter_map(OnceLock::into_inner).flatten() {
+        for place in found.into_iter().flatten() {
             let lane = place.owner.lane as usize;
             few[lane] += usize::from((place.index as usize) < probes);
             rows[lane].push(place);

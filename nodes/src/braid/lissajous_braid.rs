@@ -21,7 +21,7 @@ use crate::data::field::Sampler;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, Value, choice, node, unless};
-use crate::eval::{EvalCx, Piece, Size};
+use crate::eval::{EvalCx, Piece, Size, TracedScalp};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::spline::Spline;
 use glam::Vec3;
@@ -42,7 +42,7 @@ node! {
         /// Curves to braid along, root first; one braid each.
         source: Curves, words("guide spine path");
         /// The head. Cornrows lie on it; free braids stay out of it.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Strands in each braid.
         strands: i64 = 3, hard(2.0, 12.0), soft(2.0, 7.0), unit(Count), words("hanks sections");
         /// How often a strand goes up and down on its way across the braid and back: 1 is a rope, 2 the classic braid,
@@ -247,7 +247,7 @@ const STITCHES: u64 = BRAID_ITSELF + 1;
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let plan = Plan::new(cx, &inputs);
     let size = foreseen(&plan)?;
-    let [curves, stitches, flyaways] = cx.by_place(inputs.scalp.as_deref()).each_curve(
+    let [curves, stitches, flyaways] = cx.by_place(inputs.scalp.as_ref()).each_curve(
         &inputs.source,
         &size,
         |tuft, curve, piece| match braid(&plan, tuft, curve, piece)? {
@@ -261,13 +261,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
 /// Lower bound for the points of all strands up to their ties: stitches are assumed as long as they can be.
 fn foreseen(plan: &Plan) -> Result<Size, NodeError> {
     let inputs = plan.inputs;
-    let scalp = inputs.scalp.as_deref();
+    let scalp = inputs.scalp.as_ref();
     let longest = 1.0 + 0.7 * inputs.uneven_stitches;
     let mut all = 0.0;
     for tuft in inputs.source.tufts() {
-        let count = inputs.stitches.on(tuft, scalp)?;
-        let spacing = inputs.stitch_spacing.on(tuft, scalp)?;
-        let width = inputs.width.on(tuft, scalp)?;
+        let count = inputs.stitches.on_traced(tuft, scalp)?;
+        let spacing = inputs.stitch_spacing.on_traced(tuft, scalp)?;
+        let width = inputs.width.on_traced(tuft, scalp)?;
         for curve in 0..tuft.len() {
             let most = |field: &Sampler| {
                 (0..=64).map(|k| field.along(tuft, curve, k as f32 / 64.0)).fold(0.0, f32::max)
@@ -320,7 +320,7 @@ impl<'a> Plan<'a> {
         } else if m == 0 {
             m = default_frequency(strands);
         }
-        let scalp = inputs.scalp.as_deref();
+        let scalp = inputs.scalp.as_ref().map(TracedScalp::head);
         let facing = match inputs.frames {
             FramesBy::Auto | FramesBy::Scalp if scalp.is_some() => Facing::Skin,
             FramesBy::UpAxis => Facing::Axis(inputs.up_axis),
@@ -388,7 +388,7 @@ fn braid(
     let (tag, strands) = (inputs.seed as u64, plan.weave.strands);
     let braid_id = curve_id(source_id, tag, BRAID_ITSELF);
     let ids: Vec<u64> = (0..u64::from(strands)).map(|i| curve_id(source_id, tag, i)).collect();
-    let scalp = inputs.scalp.as_deref();
+    let scalp = piece.scalp();
     let [width, height, spacing, roll, fullness, count] = [
         &inputs.width,
         &inputs.height,

@@ -20,9 +20,9 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::ramp::Ramp;
 use crate::data::route::makers::{lift, lift_each};
-use crate::data::scalp::{Scalp, Skin};
+use crate::data::scalp::Skin;
 use crate::define::{Colour, FieldInput, NodeError, node};
-use crate::eval::{EvalCx, Piece, Size};
+use crate::eval::{EvalCx, Piece, Size, TracedScalp};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
 use crate::maths::random_walk::random_walk;
@@ -43,7 +43,7 @@ node! {
         curves: Curves;
         /// Head that holds the roots and keeps strands out of the skin. Without it, roots fill a disc across the cluster's
         /// root.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Strands in a cluster of density 1 and radius 1 cm. The number scales with density and cross-section area.
         strands: i64 = 512, hard(0.0, 65536.0), soft(16.0, 2048.0), unit(Count), words("amount number");
         /// Exact number of strands per cluster. 0: as density and radius ask.
@@ -134,15 +134,13 @@ pub(super) const COARSE: &str = "strands of a cluster have all the points that m
      ask: twist it less, or raise most_points";
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
     let unit = cx.unit();
-    let skin = scalp.map(|scalp| cx.skin(scalp));
+    let skin = inputs.scalp.as_ref().map(|scalp| cx.skin(scalp.head()));
     let filler = Filler {
         roots: cx.dice(inputs.seed, "roots"),
         walk: cx.dice(inputs.seed, "frizz"),
         push: inputs.push_out && skin.is_none_or(|skin| skin.for_hair().is_some()),
         seed: inputs.seed,
-        scalp,
         skin,
         shape: ClusterShape::from_inputs(&inputs, cx.dice(inputs.seed, "shape")),
     };
@@ -162,8 +160,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (mut thin, mut example) = (0, None);
     for tuft in inputs.curves.tufts() {
         cx.check()?;
-        let radius = inputs.radius.on(tuft, scalp)?;
-        let (density, other) = (inputs.density.on(tuft, scalp)?, inputs.flatness.on(tuft, scalp)?);
+        let scalp = inputs.scalp.as_ref();
+        let radius = inputs.radius.on_traced(tuft, scalp)?;
+        let (density, other) =
+            (inputs.density.on_traced(tuft, scalp)?, inputs.flatness.on_traced(tuft, scalp)?);
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
             let asked = super::cross_sections::CrossSectionParams {
@@ -228,8 +228,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             inputs.strands
         ));
     }
-    let [curves] = cx.by_place(scalp).each_curve(&inputs.curves, &size, |tuft, curve, piece| {
-        let id = tuft.id(curve);
+    let placed = cx.by_place(inputs.scalp.as_ref());
+    let [curves] = placed.each_curve(&inputs.curves, &size, |tuft, curve, piece| {
+        let (id, scalp) = (tuft.id(curve), piece.scalp());
         let mut left_out = |why: &str| {
             piece.trouble(id, why);
             Ok([TuftBuilder::new().build()])
@@ -278,7 +279,6 @@ struct Filler<'a> {
     walk: Dice,
     push: bool,
     seed: i64,
-    scalp: Option<&'a Scalp>,
     skin: Option<Skin<'a>>,
     /// None where strands run as their cluster does.
     shape: Option<ClusterShape>,
@@ -310,7 +310,7 @@ impl Filler<'_> {
         sections: &CrossSections,
         piece: &mut Piece,
     ) -> Result<TuftBuilder, NodeError> {
-        let skin = self.skin.as_ref().filter(|_| self.push);
+        let (scalp, skin) = (piece.scalp(), self.skin.as_ref().filter(|_| self.push));
         let each = sections.at.len();
         let shift = [self.roots.unit(cluster, 0), self.roots.unit(cluster, 1)];
         let mut points: Vec<Vec3> = Vec::with_capacity(count * each);
@@ -326,7 +326,7 @@ impl Filler<'_> {
         let mut walk = vec![Vec2::ZERO; sections.steps.len() + 2];
         let wisps = self.shape.as_ref().map_or(vec![], |shape| shape.wisps(cluster));
         // So far the cluster keeps to the section of its root, and so do its strands.
-        let home = self.scalp.and_then(|scalp| scalp.home(sections.root));
+        let home = scalp.and_then(|scalp| scalp.home(sections.root));
         let at_home = home.map_or(1, |home| {
             1 + sections.at[1..].iter().take_while(|section| home.holds(section.centre)).count()
         });
@@ -339,7 +339,7 @@ impl Filler<'_> {
             let at_root = strand.as_ref().map_or(q, |strand| strand.root(q));
             let mut root =
                 sections.root + sections.disc[0] * at_root.x + sections.disc[1] * at_root.y;
-            if let (Some(skin), Some(scalp)) = (&self.skin, self.scalp)
+            if let (Some(skin), Some(scalp)) = (&self.skin, scalp)
                 && let Some(hit) = skin.closest(root)
             {
                 let on_scalp = scalp.root(hit.triangle, hit.bary);
@@ -417,7 +417,7 @@ impl Filler<'_> {
         if !triangles.is_empty() {
             out.set(ROOT_TRIANGLE, Domain::Curve, triangles);
             out.set(ROOT_BARY, Domain::Curve, barys);
-            if self.scalp.is_some_and(|scalp| scalp.uvs().is_some()) {
+            if scalp.is_some_and(|scalp| scalp.uvs().is_some()) {
                 out.set(ROOT_UV, Domain::Curve, uvs);
             }
         }

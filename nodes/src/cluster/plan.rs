@@ -13,7 +13,7 @@ use crate::maths::nearest::KdTree;
 use crate::maths::spline::{CurveFault, Spline};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Settings of a plan.
 pub(super) struct PlanParams<'a> {
@@ -124,18 +124,16 @@ impl Plan {
             let triangle = tuft.view(ROOT_TRIANGLE).at(0, 0);
             key.vec3(*root).int(triangle as u64).float(bary.x).float(bary.y)
         });
-        let key = key.finish();
-        if let Some(plan) = cx.host.find(key).and_then(|kept| kept.downcast::<Plan>().ok()) {
-            return Ok(plan);
-        }
-        let plan = Arc::new(Self::new(cx, guides, &roots, scalp, asked)?);
-        let of_groups = plan.groups.iter().map(|group| size_of_val(&group.hairs[..]) + 256);
-        let of_hair = plan
-            .found
-            .iter()
-            .map(|found| size_of_val(&found.hairs[..]) + size_of_val(&found.weights[..]));
-        cx.host.keep(key, plan.clone(), of_groups.chain(of_hair).sum());
-        Ok(plan)
+        cx.memo(key.finish(), || {
+            let plan = Self::new(cx, guides, &roots, scalp, asked)?;
+            let of_groups = plan.groups.iter().map(|group| size_of_val(&group.hairs[..]) + 256);
+            let of_hair = plan
+                .found
+                .iter()
+                .map(|found| size_of_val(&found.hairs[..]) + size_of_val(&found.weights[..]));
+            let bytes = of_groups.chain(of_hair).sum();
+            Ok((plan, bytes))
+        })
     }
 
     fn new(
@@ -242,7 +240,7 @@ impl Plan {
         let led: Vec<usize> =
             (0..ends.len()).filter(|guide| begins[*guide] < ends[*guide]).collect();
         let each = led.len().div_ceil(PIECES).max(1);
-        let pieces = in_pieces(cx, led.len().div_ceil(each), |piece| {
+        let pieces = cx.map(led.len().div_ceil(each), |piece| {
             let (mut slots, mut told) = (vec![NO_SLOT; ends.len()], vec![]);
             let led = led[piece * each..].iter().take(each).map(|guide| {
                 let mut hairs = order[begins[*guide]..ends[*guide]].to_vec();
@@ -296,26 +294,11 @@ fn each_guide<T: Send + Sync>(
     tell: impl Fn(usize, &Tuft) -> T + Sync,
 ) -> Result<Vec<T>, NodeError> {
     let each = guides.len().div_ceil(PIECES).max(1);
-    let pieces = in_pieces(cx, guides.len().div_ceil(each), |piece| {
+    let pieces = cx.map(guides.len().div_ceil(each), |piece| {
         let all = piece * each..guides.len().min((piece + 1) * each);
         Ok(all.map(|i| tell(i, &guides[i])).collect::<Vec<T>>())
     })?;
     Ok(pieces.into_iter().flatten().collect())
-}
-
-/// Results of `make` for 0 to `n`, in order.
-fn in_pieces<T: Send + Sync>(
-    cx: &EvalCx,
-    n: usize,
-    make: impl Fn(usize) -> Result<T, NodeError> + Sync,
-) -> Result<Vec<T>, NodeError> {
-    let made: Vec<OnceLock<Result<T, NodeError>>> = (0..n).map(|_| OnceLock::new()).collect();
-    cx.host.for_each(n, &|i| {
-        if !cx.host.cancelled() {
-            let _ = made[i].set(make(i));
-        }
-    });
-    made.into_iter().map(|one| one.into_inner().unwrap_or(Err(NodeError::Cancelled))).collect()
 }
 
 /// Finds roots, and the guides of each.
@@ -338,7 +321,7 @@ impl Finder<'_> {
             let along = u64::from(self.even.along(i));
             batches[(along >> (32 - bits)) as usize].push(along << 32 | u64::from(i));
         }
-        in_pieces(cx, batches.len(), |b| {
+        cx.map(batches.len(), |b| {
             let mut along = batches[b].clone();
             along.sort_unstable();
             self.batch(along.into_iter().map(|one| one as u32))

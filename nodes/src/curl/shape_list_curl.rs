@@ -28,7 +28,7 @@ use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::data::shapes::{ShapeList, Tier};
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::{EvalCx, Piece};
+use crate::eval::{EvalCx, Piece, TracedScalp};
 use crate::maths::frame::carry;
 use crate::maths::hash::KeyBuilder;
 use crate::maths::rail::Rail;
@@ -48,7 +48,7 @@ node! {
         curves: Curves;
         /// Head that curls stay out of, and whose masks the inputs can read. A curl that would cross a parting begins
         /// farther from the root. Lengths are corrected once after a curl is pushed out of the head.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Curl type that fills in unset values. A starting point, not a measurement.
         preset: Preset = Preset::Type3b, words("type hair pattern chart");
         /// Diameter of a coil; a flat wave of the same diameter is 1.41 times as high from crest to trough. 0 leaves
@@ -264,15 +264,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let mut shapes: Vec<ProfileCurve> = numbers.shapes.0.iter().map(of).collect();
         shapes.push(ProfileCurve::zigzag(numbers.rounding));
         let bytes = shapes.len() * 8300;
-        (shapes, bytes)
-    });
+        Ok((shapes, bytes))
+    })?;
     let pattern = inputs.pattern(cx, &numbers, shapes.to_vec());
     cx.may_make_most(inputs.curves.curve_count() as f64 * inputs.most_points as f64, || {
         foreseen(&inputs, &numbers, &pattern)
     })?;
-    let skin = inputs.scalp.as_deref().map(|scalp| cx.skin(scalp));
+    let skin = inputs.scalp.as_ref().map(|scalp| cx.skin(scalp.head()));
     let [curves, coarse] =
-        cx.by_place(inputs.scalp.as_deref()).each_tuft(&inputs.curves, |tuft, piece| {
+        cx.by_place(inputs.scalp.as_ref()).each_tuft(&inputs.curves, |tuft, piece| {
             curl(tuft, &inputs, &numbers, &pattern, skin.as_ref(), piece)
         })?;
     remark_on_shrinkage(cx, &curves);
@@ -392,7 +392,7 @@ fn curl(
     skin: Option<&Skin>,
     piece: &mut Piece,
 ) -> Result<[Tuft; 2], NodeError> {
-    let scalp = inputs.scalp.as_deref();
+    let scalp = piece.scalp();
     let diameter = inputs.diameter.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;
     let pitch = inputs.pitch.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;
     let definition = inputs.definition.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;

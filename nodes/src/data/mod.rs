@@ -12,6 +12,7 @@ pub mod gestures;
 pub(crate) mod ids;
 pub(crate) mod laid;
 pub mod landmarks;
+mod lines;
 pub(crate) mod links;
 pub mod mesh;
 mod mesh_cut;

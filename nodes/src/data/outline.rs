@@ -431,7 +431,7 @@ impl Outline {
             return 1.0;
         }
         let near = self.near.get(&cell_of(p, self.side)).into_iter().flatten();
-        let square = near.map(|i| super::cut::square_to(self.pieces[*i as usize].ends, p));
+        let square = near.map(|i| super::lines::square_to(self.pieces[*i as usize].ends, p));
         square.fold(self.reach * self.reach, f32::min).sqrt()
     }
     /// The same, positive inside and negative outside.

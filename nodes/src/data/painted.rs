@@ -82,7 +82,7 @@ impl Painted {
             Key,
             &dyn Fn() -> Result<GridMeans, NodeError>,
         ) -> Result<Arc<GridMeans>, NodeError>,
-        laid: &dyn Fn(Key, &dyn Fn() -> ClosedStroke) -> Arc<ClosedStroke>,
+        laid: &dyn Fn(Key, &dyn Fn() -> ClosedStroke) -> Result<Arc<ClosedStroke>, NodeError>,
     ) -> Result<Self, NodeError> {
         let by_section = strokes.0.iter().filter_map(|stroke| stroke.brush.as_ref());
         let by_section = by_section.clone().any(|brush| !brush.section.is_empty());
@@ -98,7 +98,7 @@ impl Painted {
             check()?;
             keys.push(key);
             key = KeyBuilder::new("painted").key(key).key(stroke.key()).finish();
-            let layer = Layer::new(&scalp, (number, stroke), &edges, &mut pieces, laid);
+            let layer = Layer::new(&scalp, (number, stroke), &edges, &mut pieces, laid)?;
             if layer.lines.is_some() || layer.mode == Mode::Flood {
                 wide.push(number);
             }
@@ -289,8 +289,8 @@ impl Layer {
         (number, stroke): (u32, &Stroke),
         edges: &Edges,
         pieces: &mut Vec<DabSegment>,
-        laid: &dyn Fn(Key, &dyn Fn() -> ClosedStroke) -> Arc<ClosedStroke>,
-    ) -> Self {
+        laid: &dyn Fn(Key, &dyn Fn() -> ClosedStroke) -> Result<Arc<ClosedStroke>, NodeError>,
+    ) -> Result<Self, NodeError> {
         let usual = Brush::default();
         let brush = stroke.brush.as_ref().unwrap_or(&usual);
         let halves = [Some(false), brush.mirrored.then_some(true)];
@@ -301,7 +301,10 @@ impl Layer {
             let key = KeyBuilder::new("closed line").key(scalp.whole()).key(stroke.key());
             laid(key.int(u64::from(twin)).finish(), &|| on_mesh(scalp, stroke, twin))
         };
-        let lines = closed.then(|| halves.map(|half| half.map(line)));
+        let lines = match closed {
+            true => Some([halves[0].map(line).transpose()?, halves[1].map(line).transpose()?]),
+            false => None,
+        };
         for (half, side) in (0u8..).zip(&sides) {
             let line = lines.as_ref().and_then(|lines| lines[usize::from(half)].as_ref());
             let (ends, reach) = match line {
@@ -318,14 +321,14 @@ impl Layer {
             let made = ends.into_iter().map(|ends| DabSegment::new(ends, reach, number, half));
             pieces.extend(made);
         }
-        Self {
+        Ok(Self {
             mode: brush.mode,
             strength: brush.strength,
             sections: sections_of(scalp, brush, &sides),
             lines,
             too_few: (to_close && !closed).then_some(stroke.samples.len()),
             even: None,
-        }
+        })
     }
 }
 

@@ -1,10 +1,9 @@
 //! Segments of partings, indexed by position in space.
 //!
-//! Guarantees: every segment within half a place of a point is listed at that point's place; queries are recorded
-//! (`read_set.rs`). Not promised: that every listed segment is that near.
+//! Guarantees: every segment within half a place of a point is listed at that point's place. Not promised: that every listed segment
+//! is that near. [`super::lines::Seen`] alone asks.
 
-use super::cut::PartingSegment;
-use super::read_set::{read_place, read_places};
+use super::lines::PartingSegment;
 use glam::Vec3;
 
 /// A grid over the segments in space.
@@ -12,7 +11,7 @@ pub(super) struct Places {
     /// Index of the lowest place along each axis. Places are counted from the origin, so that a place has the same
     /// segments wherever other partings lie.
     low: [i32; 3],
-    pub(super) side: f32,
+    side: f32,
     size: [usize; 3],
     /// Start of each place's segments in `listed`.
     starts: Vec<u32>,
@@ -55,6 +54,11 @@ impl Places {
         places
     }
 
+    /// Side of a place, cm.
+    pub(super) fn side(&self) -> f32 {
+        self.side
+    }
+
     /// Start of a place's list, if the grid contains it.
     fn slot(&self, place: [i32; 3]) -> Option<usize> {
         let at = [0, 1, 2].map(|k| usize::try_from(place[k].saturating_sub(self.low[k])).ok());
@@ -81,19 +85,11 @@ impl Places {
 
     /// The segments near a place.
     pub(super) fn near(&self, place: [i32; 3]) -> &[u32] {
-        read_place(place);
         self.slot(place).map_or(&[], |at| self.listed(at))
     }
 
-    /// Whether a quick test shows that no segment is near any point of a box.
-    pub(super) fn are_empty(&self, low: Vec3, high: Vec3) -> bool {
-        /// Larger boxes (in places) are not tested.
-        const LARGE: u32 = 8;
-        let (low, high) = (place_of(low, self.side), place_of(high, self.side));
-        if (0..3).any(|k| high[k].abs_diff(low[k]) > LARGE) {
-            return false;
-        }
-        read_places(low, high);
+    /// Whether no segment is near any place from `low` to `high`.
+    pub(super) fn are_empty(&self, low: [i32; 3], high: [i32; 3]) -> bool {
         let [xs, ys, zs] = [0, 1, 2].map(|k| {
             let slot = |x: i32| x.saturating_sub(self.low[k]).max(0) as usize;
             slot(low[k])..(slot(high[k].saturating_add(1))).min(self.size[k])

@@ -1,29 +1,34 @@
 //! What of a scalp's sections a piece of work has read, so that it need not run again where a parting moves elsewhere.
 //!
-//! While [`traced`] runs, whatever asks the sections about a place notes that place: a tile of the scalp's map, or a block of space.
-//! Afterwards a [`Footprint`] holds what the sections say there, and tells of other sections of the same head whether they say the
-//! same. Work that reads nothing else that differs then gives the same result on both.
+//! Sections as a piece sees them (`Sections::noting`) carry `Reads`: whatever is asked of them about a place is noted there, as a
+//! tile of the scalp's map or a block of space. Afterwards a [`Footprint`] holds what the sections say there, and tells of other
+//! sections of the same head whether they say the same. Work that reads nothing else that differs then gives the same result on both.
 //!
 //! Guarantees: what the queries of [`Sections`] answer at a place follows from its tile or block alone; what cannot be put down to
-//! places (lists, names) counts as all of it. Not promised: that the numbers of sections stay, which only tell one from another
-//! within a piece; and anything for what was read before, or on another thread: who traces a piece of work sees to it that nothing
-//! it holds comes from the sections.
+//! places (lists, names) counts as all of it; it does not matter on which thread is read. Not promised: that the numbers of sections
+//! stay, which only tell one from another within a piece; nor anything for what is read through other handles: whoever runs a piece sees
+//! to it that it holds none ([`TracedScalp`]).
+//!
+//! [`TracedScalp`]: crate::eval::TracedScalp
 
 use super::chart::CELLS;
 use super::sections::Sections;
 use crate::maths::hash::Key;
-use std::cell::{Cell, RefCell};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Cells of a tile along one side: 4 mm, less than rows are wide.
 const TILE: usize = 4;
 /// Tiles of the map along one side.
 const TILES: usize = CELLS.div_ceil(TILE);
-/// Places of space ([`super::cut`]) of a block along one side.
+/// Places of space ([`super::places`]) of a block along one side.
 const BLOCK: i32 = 2;
+/// Blocks are numbered so far along each axis, then from the start again: more than the partings of a head take up. Those of one
+/// number count as one.
+const BLOCKS: i32 = 32;
 
-/// A block of space, by its number along each axis.
-pub(super) type Block = [i32; 3];
+/// Number of a block of space.
+pub(super) type Block = u32;
 
 /// What was read, and what was found there.
 #[derive(Clone, Debug)]
@@ -42,46 +47,83 @@ pub(super) struct Digests {
     pub(super) common: Key,
 }
 
-#[derive(Default)]
-struct Reads {
-    tiles: Vec<u64>,
-    blocks: BTreeSet<Block>,
-    last: (usize, Option<(Block, Block)>),
-    all: bool,
+/// What one piece of work has read so far.
+pub(super) struct Reads {
+    tiles: Bits,
+    blocks: Bits,
+    all: AtomicBool,
 }
 
-thread_local! {
-    static TRACING: Cell<bool> = const { Cell::new(false) };
-    static READS: RefCell<Reads> = RefCell::default();
-}
+/// Some of the numbers from 0 on.
+struct Bits(Box<[AtomicU64]>);
 
-/// Whoever traced before goes on afterwards, also when what is traced panics.
-struct Outer(bool, Option<Reads>);
-
-impl Drop for Outer {
-    fn drop(&mut self) {
-        TRACING.set(self.0);
-        READS.replace(self.1.take().unwrap_or_default());
+impl Bits {
+    fn new(n: usize) -> Self {
+        Self((0..n.div_ceil(64)).map(|_| AtomicU64::new(0)).collect())
+    }
+    /// Most is noted again and again: then it is only looked at.
+    #[inline]
+    fn note(&self, i: usize) {
+        let (word, bit) = (&self.0[i / 64], 1 << (i % 64));
+        if word.load(Ordering::Relaxed) & bit == 0 {
+            word.fetch_or(bit, Ordering::Relaxed);
+        }
+    }
+    fn each(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.0).flat_map(|(at, word): (u32, _)| {
+            let word = word.load(Ordering::Relaxed);
+            (0..64).filter(move |k| word >> k & 1 == 1).map(move |k| at * 64 + k)
+        })
     }
 }
 
-/// Runs `work` and gives what it read of `sections`, which must be the only ones that it reads.
-pub fn traced<T>(sections: &Sections, work: impl FnOnce() -> T) -> (T, Footprint) {
-    let fresh = Reads { tiles: vec![0; (TILES * TILES).div_ceil(64)], ..Reads::default() };
-    let outer = Outer(TRACING.replace(true), Some(READS.replace(fresh)));
-    let out = work();
-    let reads = READS.take();
-    drop(outer);
-    let digests = sections.digests();
-    let read = |tile: &u32| reads.tiles[*tile as usize / 64] & (1 << (tile % 64)) != 0;
-    let tiles = (0..(TILES * TILES) as u32).filter(read);
-    let footprint = Footprint {
-        tiles: tiles.map(|tile| (tile, digests.tiles[tile as usize])).collect(),
-        blocks: reads.blocks.iter().map(|block| (*block, digests.block(block))).collect(),
-        common: digests.common,
-        all: reads.all.then(|| sections.key()),
-    };
-    (out, footprint)
+impl Reads {
+    pub(super) fn new() -> Self {
+        let blocks = (BLOCKS * BLOCKS * BLOCKS) as usize;
+        Self {
+            tiles: Bits::new(Digests::COUNT),
+            blocks: Bits::new(blocks),
+            all: AtomicBool::new(false),
+        }
+    }
+
+    /// Notes that what is in and around a cell of the map is read.
+    #[inline]
+    pub(super) fn cell(&self, cell: usize) {
+        let (x, y) = (cell % CELLS, cell / CELLS);
+        let span = |x: usize| x.saturating_sub(1) / TILE..=(x + 1).min(CELLS - 1) / TILE;
+        for y in span(y) {
+            span(x).for_each(|x| self.tiles.note(y * TILES + x));
+        }
+    }
+
+    /// Notes that what is near the places of space from `low` to `high` is read; they should be few.
+    #[inline]
+    pub(super) fn places(&self, low: [i32; 3], high: [i32; 3]) {
+        let span = |k: usize| low[k].div_euclid(BLOCK)..=high[k].div_euclid(BLOCK);
+        for (x, y) in span(0).flat_map(|x| span(1).map(move |y| (x, y))) {
+            span(2).for_each(|z| self.blocks.note(number([x, y, z]) as usize));
+        }
+    }
+
+    /// Notes that something is read that is no one place's.
+    #[inline]
+    pub(super) fn all(&self) {
+        self.all.store(true, Ordering::Relaxed);
+    }
+
+    /// What was read of `sections`, the only ones that this was noted of.
+    pub(super) fn footprint(&self, sections: &Sections) -> Footprint {
+        let digests = sections.digests();
+        let tiles = self.tiles.each().map(|tile| (tile, digests.tiles[tile as usize]));
+        let blocks = self.blocks.each().map(|block| (block, digests.block(block)));
+        Footprint {
+            tiles: tiles.collect(),
+            blocks: blocks.collect(),
+            common: digests.common,
+            all: self.all.load(Ordering::Relaxed).then(|| sections.key()),
+        }
+    }
 }
 
 impl Footprint {
@@ -93,7 +135,7 @@ impl Footprint {
         let digests = sections.digests();
         self.common == digests.common
             && self.tiles.iter().all(|(tile, key)| digests.tiles[*tile as usize] == *key)
-            && self.blocks.iter().all(|(block, key)| digests.block(block) == *key)
+            && self.blocks.iter().all(|(block, key)| digests.block(*block) == *key)
     }
 
     /// Bytes held.
@@ -103,8 +145,8 @@ impl Footprint {
 }
 
 impl Digests {
-    fn block(&self, block: &Block) -> Key {
-        self.blocks.get(block).copied().unwrap_or_default()
+    fn block(&self, block: Block) -> Key {
+        self.blocks.get(&block).copied().unwrap_or_default()
     }
 
     /// The tile of a cell of the map.
@@ -118,65 +160,12 @@ impl Digests {
 
 /// The block of a place of space.
 pub(super) fn block_of(place: [i32; 3]) -> Block {
-    place.map(|x| x.div_euclid(BLOCK))
+    number(place.map(|x| x.div_euclid(BLOCK)))
 }
 
-/// Notes that what is in and around a cell of the map is read.
 #[inline]
-pub(super) fn read_cell(cell: usize) {
-    if TRACING.get() {
-        note_cell(cell);
-    }
-}
-
-/// Notes that what is near a place of space is read.
-#[inline]
-pub(super) fn read_place(place: [i32; 3]) {
-    read_places(place, place);
-}
-
-/// Notes that what is near the places of space from `low` to `high` is read; they should be few.
-#[inline]
-pub(super) fn read_places(low: [i32; 3], high: [i32; 3]) {
-    if TRACING.get() {
-        let (low, high) = (block_of(low), block_of(high));
-        READS.with_borrow_mut(|reads| {
-            if reads.last.1 != Some((low, high)) {
-                reads.last.1 = Some((low, high));
-                let [xs, ys, zs] = [0, 1, 2].map(|k| low[k]..=high[k]);
-                for block in xs.flat_map(|x| {
-                    let zs = zs.clone();
-                    ys.clone().flat_map(move |y| zs.clone().map(move |z| [x, y, z]))
-                }) {
-                    reads.blocks.insert(block);
-                }
-            }
-        });
-    }
-}
-
-/// Notes that something is read that is no one place's.
-#[inline]
-pub(super) fn read_all() {
-    if TRACING.get() {
-        READS.with_borrow_mut(|reads| reads.all = true);
-    }
-}
-
-#[cold]
-fn note_cell(cell: usize) {
-    READS.with_borrow_mut(|reads| {
-        // Told from 0, which is where it starts.
-        if reads.last.0 == cell + 1 {
-            return;
-        }
-        reads.last.0 = cell + 1;
-        let (x, y) = (cell % CELLS, cell / CELLS);
-        let span = |x: usize| x.saturating_sub(1) / TILE..=(x + 1).min(CELLS - 1) / TILE;
-        for tile in span(y).flat_map(|y| span(x).map(move |x| y * TILES + x)) {
-            reads.tiles[tile / 64] |= 1 << (tile % 64);
-        }
-    });
+fn number(block: [i32; 3]) -> Block {
+    block.iter().fold(0, |number, x| number * BLOCKS as u32 + x.rem_euclid(BLOCKS) as u32)
 }
 
 #[cfg(test)]
@@ -213,6 +202,12 @@ mod tests {
         }
     }
 
+    /// What is asked of a scalp, and what that read of its sections.
+    fn traced<T>(scalp: &Scalp, ask: impl FnOnce(&Scalp) -> T) -> (T, Footprint) {
+        let seen = scalp.noting();
+        (ask(&seen), seen.sections().unwrap().footprint())
+    }
+
     /// What a query answers, in bits; sections by their ids.
     type Query = fn(&Scalp, Vec3, Vec3) -> Vec<u64>;
 
@@ -220,7 +215,29 @@ mod tests {
         p.map_or(vec![], |p| p.to_array().map(|x| u64::from(x.to_bits())).to_vec())
     }
 
-    const QUERIES: [(&str, Query); 10] = [
+    const QUERIES: [(&str, Query); 14] = [
+        // Too long to be looked at by boxes.
+        ("a long way over lines", |scalp, p, q| {
+            vec![u64::from(scalp.sections().unwrap().passed(p, p + (q - p) * 8.0, 0.0))]
+        }),
+        ("a root's section", |scalp, p, _| {
+            let root = scalp.closest_root(p).unwrap();
+            let sections = scalp.sections().unwrap();
+            let id = sections.id_of(&root).unwrap_or_default();
+            vec![id, u64::from(sections.of(&root).is_some()), u64::from(scalp.is_free(&root))]
+        }),
+        ("a root's distance", |scalp, p, _| {
+            let root = scalp.closest_root(p).unwrap();
+            let sections = scalp.sections().unwrap();
+            let place = sections.at_root(&root).map_or(-1.0, |place| place.distance);
+            [sections.distance(&root), place].map(|x| u64::from(x.to_bits())).to_vec()
+        }),
+        ("a hair over lines", |scalp, p, q| {
+            let hair: Vec<Vec3> = (0..20).map(|k| p.lerp(q, 0.1 * k as f32)).collect();
+            let sections = scalp.sections().unwrap();
+            let last = sections.last_passed(hair.len(), |k| hair[k]);
+            vec![last.map_or(u64::MAX, |k| k as u64), u64::from(sections.is_over_line(&hair))]
+        }),
         ("the section", |scalp, p, _| scalp.sections().unwrap().id_at(p).into_iter().collect()),
         ("the place", |scalp, p, _| {
             let place = scalp.sections().unwrap().at(p);
@@ -278,8 +295,9 @@ mod tests {
                     let p = Vec3::new(3.0 * off(0), 8.0 + off(1), 4.0 * off(2));
                     let p = before.closest_root(p).unwrap().point;
                     let q = p + Vec3::new(off(3), 0.3 * off(4), off(5));
-                    let (was, read) = traced(old, || ask(&before, p, q));
-                    let (is, again) = traced(new, || ask(&after, p, q));
+                    let (was, read) = traced(&before, |scalp| ask(scalp, p, q));
+                    let (is, again) = traced(&after, |scalp| ask(scalp, p, q));
+                    assert_eq!(was, ask(&before, p, q), "noted or not: {what}, {p} {q}");
                     if read.is_same_on(new) {
                         assert_eq!(was, is, "{what}: {p} {q}, moved by {by}");
                         assert!(
@@ -304,9 +322,35 @@ mod tests {
         let head = run(crate::by_id("head").unwrap(), &[]).0.swap_remove(0);
         let (before, after) = (parted(&head, 0.0), parted(&head, 0.4));
         let (old, new) = (before.sections().unwrap(), after.sections().unwrap());
-        let (_, read) = traced(old, || old.list().len());
-        assert!(read.is_same_on(old) && !read.is_same_on(new));
-        let (_, nothing) = traced(old, || ());
-        assert!(nothing.is_same_on(new));
+        let queries: [(&str, fn(&Scalp)); 7] = [
+            ("list", |scalp| _ = scalp.sections().unwrap().list()),
+            ("partings", |scalp| _ = scalp.sections().unwrap().partings()),
+            ("names", |scalp| _ = scalp.sections().unwrap().names()),
+            ("labels", |scalp| _ = scalp.sections().unwrap().labels()),
+            ("key", |scalp| _ = scalp.sections().unwrap().key()),
+            ("key of the scalp", |scalp| _ = scalp.key()),
+            ("masks", |scalp| _ = scalp.mask_names()),
+        ];
+        for (what, ask) in queries {
+            let ((), read) = traced(&before, ask);
+            assert!(read.is_same_on(old) && !read.is_same_on(new), "{what}");
+        }
+        let own: fn(&Scalp) = |scalp| _ = (scalp.whole(), scalp.key_untraced(), scalp.frame());
+        for (what, ask) in [("nothing", (|_| ()) as fn(&Scalp)), ("the head's own", own)] {
+            let ((), read) = traced(&before, ask);
+            assert!(read.is_same_on(new), "{what}");
+        }
+    }
+
+    #[test]
+    fn what_is_read_on_other_threads_and_by_copies_is_noted() {
+        let head = run(crate::by_id("head").unwrap(), &[]).0.swap_remove(0);
+        let (before, after) = (parted(&head, 0.0), parted(&head, 0.4));
+        let ask = |scalp: &Scalp| {
+            let sections = scalp.sections().unwrap().clone();
+            std::thread::scope(|scope| _ = scope.spawn(move || sections.labels().len()).join());
+        };
+        let ((), read) = traced(&before, ask);
+        assert!(!read.is_same_on(after.sections().unwrap()));
     }
 }

@@ -142,6 +142,7 @@ pub struct Part {
 /// A head with everything that nodes ask of it. Parting it ([`Scalp::parted`]) is cheap: everything but the sections is
 /// shared.
 pub struct Scalp {
+    /// Of what is not its sections'.
     key: Key,
     /// For the report only: coordinates are already in cm.
     cm_per_unit: f32,
@@ -152,7 +153,7 @@ pub struct Scalp {
     /// For fitting a groom to another head.
     landmarks: Landmarks,
     head: Arc<Head>,
-    sections: Option<Arc<Sections>>,
+    sections: Option<Sections>,
 }
 
 /// What a head shares with the same head parted.
@@ -260,28 +261,26 @@ impl Scalp {
     }
 
     /// The same head with its scalp cut into these sections, replacing earlier ones.
-    pub fn parted(&self, sections: Arc<Sections>) -> Self {
-        let whole = self.whole();
-        Self {
-            key: KeyBuilder::new("parted").key(whole).key(sections.key()).finish(),
-            cm_per_unit: self.cm_per_unit,
-            parts: self.parts.clone(),
-            kept: self.kept.clone(),
-            landmarks: self.landmarks,
-            head: self.head.clone(),
-            sections: Some(sections),
-        }
+    pub fn parted(&self, sections: Sections) -> Self {
+        self.with_sections(Some(sections))
     }
     /// The same head without partings.
-    pub(super) fn unparted(&self) -> Self {
+    pub(crate) fn unparted(&self) -> Self {
+        self.with_sections(None)
+    }
+    /// The same for one piece of work: its sections note what they are asked ([`Sections::noting`]).
+    pub(crate) fn noting(&self) -> Self {
+        self.with_sections(self.sections.as_ref().map(Sections::noting))
+    }
+    fn with_sections(&self, sections: Option<Sections>) -> Self {
         Self {
-            key: self.whole(),
+            key: self.key,
             cm_per_unit: self.cm_per_unit,
             parts: self.parts.clone(),
             kept: self.kept.clone(),
             landmarks: self.landmarks,
             head: self.head.clone(),
-            sections: None,
+            sections,
         }
     }
     /// Whether the map shows the region, as on heads; of an animal it shows only one side of each leg.
@@ -293,7 +292,7 @@ impl Scalp {
     }
     /// The sections that partings cut the scalp into; `None` if it is not parted.
     pub fn sections(&self) -> Option<&Sections> {
-        self.sections.as_deref()
+        self.sections.as_ref()
     }
     /// Whether partings allow a root here: inside a section, and off the bare skin of partings.
     pub fn free(&self, point: Vec3) -> bool {
@@ -385,16 +384,19 @@ impl Scalp {
 
     /// Hash of the content.
     pub fn key(&self) -> Key {
-        self.key
+        self.sections
+            .as_ref()
+            .map_or(self.key, |cut| KeyBuilder::new("parted").key(self.key).key(cut.key()).finish())
     }
     /// Hash of the content without partings.
     pub fn whole(&self) -> Key {
-        self.sections.as_ref().map_or(self.key, |cut| cut.whole())
+        self.key
     }
-    /// The key shared by all parted versions of this head; `None` if this one is not parted.
-    pub fn key_without_partings(&self) -> Option<Key> {
-        let whole = self.sections.as_ref()?.whole();
-        Some(KeyBuilder::new("parted somehow").key(whole).finish())
+    /// Hash of the content without what sections note that they are asked: shared by all parted versions of this head, and by no head
+    /// that is not parted.
+    pub(crate) fn key_untraced(&self) -> Key {
+        let parted = |_| KeyBuilder::new("parted somehow").key(self.key).finish();
+        self.sections.as_ref().map_or(self.key, parted)
     }
     /// The triangles.
     pub fn surface(&self) -> &Surface {
@@ -513,14 +515,15 @@ impl Scalp {
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.sections.as_ref().map_or_else(|| self.head_bytes(), |sections| sections.bytes())
+        self.sections.as_ref().map_or_else(|| self.head_bytes(), |sections| sections.buffer().1)
     }
     /// Reports the buffers of the head and its sections, which other scalps may share, and their current size in bytes:
     /// what is built on demand (the distance field, the chart) counts from then on.
     pub fn buffers(&self, tell: &mut impl FnMut(usize, usize)) {
         tell(Arc::as_ptr(&self.head) as usize, self.head_bytes());
         if let Some(sections) = &self.sections {
-            tell(Arc::as_ptr(sections) as usize, sections.bytes());
+            let (at, bytes) = sections.buffer();
+            tell(at, bytes);
         }
     }
     fn head_bytes(&self) -> usize {

@@ -493,7 +493,7 @@ pub(crate) mod tests {
             of_pattern: false,
         };
         let (sections, _) = Sections::new(&ball, vec![line], &[]);
-        [Arc::new(ball.parted(Arc::new(sections)))]
+        [Arc::new(ball.parted(sections))]
     }
 
     #[test]

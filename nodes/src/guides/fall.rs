@@ -22,7 +22,6 @@ use crate::maths::transcendental::{exp, sin, sin_cos};
 use glam::{IVec3, Vec3};
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
-use std::sync::OnceLock;
 
 /// A curve that is to fall. Lengths in cm.
 pub(super) struct Thread {
@@ -104,19 +103,18 @@ impl Fall<'_> {
         for round in 0..ROUNDS {
             cx.check()?;
             if self.separate && round % LISTED == 0 {
-                near = neighbours(cx, threads, &chains, thickest);
+                near = neighbours(cx, threads, &chains, thickest)?;
             }
             let last = round + 3 >= ROUNDS;
-            let next = each(cx, chains.len(), |i| {
+            let next = cx.map(chains.len(), |i| {
                 let near = near.get(i).map_or(&[][..], Vec::as_slice);
-                self.relaxed(threads, &chains, i, near, last)
-            });
+                Ok(self.relaxed(threads, &chains, i, near, last))
+            })?;
             for (chain, at) in chains.iter_mut().zip(next) {
                 chain.at = at;
             }
         }
-        cx.check()?;
-        Ok(each(cx, threads.len(), |i| self.finished(&threads[i], &chains[i].at)))
+        cx.map(threads.len(), |i| Ok(self.finished(&threads[i], &chains[i].at)))
     }
 
     /// Direction of the pull at arc length `s`: down, with slow random deviation.
@@ -393,31 +391,18 @@ impl Grid {
     }
 }
 
-/// The results of `make` for each index, computed on all threads.
-fn each<T: Default + Send + Sync>(
-    cx: &EvalCx,
-    n: usize,
-    make: impl Fn(usize) -> T + Sync,
-) -> Vec<T> {
-    let made: Vec<OnceLock<T>> = (0..n).map(|_| OnceLock::new()).collect();
-    cx.host.for_each(n, &|i| {
-        let _ = made[i].set(make(i));
-    });
-    made.into_iter().map(|cell| cell.into_inner().unwrap_or_default()).collect()
-}
-
 /// For each point of each thread, the segments of other threads that it may touch.
 fn neighbours(
     cx: &EvalCx,
     threads: &[Thread],
     chains: &[Chain],
     thickest: f32,
-) -> Vec<Vec<Vec<(u32, u32)>>> {
+) -> Result<Vec<Vec<Vec<(u32, u32)>>>, NodeError> {
     let mut grid = Grid::new(2.0 * thickest + 2.0 * STEP);
     for (i, chain) in chains.iter().enumerate() {
         grid.add(i, &chain.at);
     }
-    each(cx, chains.len(), |i| {
+    cx.map(chains.len(), |i| {
         let mut found = vec![];
         let at = |(c, segment): &(u32, u32)| chains[*c as usize].at[*segment as usize];
         let list = |p: &Vec3| {
@@ -428,6 +413,6 @@ fn neighbours(
             };
             found.iter().copied().filter(close).collect()
         };
-        chains[i].at.iter().map(list).collect()
+        Ok(chains[i].at.iter().map(list).collect())
     })
 }

@@ -17,7 +17,7 @@ use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal};
-use crate::maths::hash::{Key, curve_id};
+use crate::maths::hash::curve_id;
 use crate::maths::smoothstep;
 use crate::maths::spline::CurveFault;
 use crate::maths::transcendental::sin_cos;
@@ -122,9 +122,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     let size = [("roots", threads.len() as f64), ("points", inputs.points as f64)];
     cx.may_make(&Size::of(&size))?;
-    let start = (inputs.roots.key(), || Ok(vec![]));
-    let bytes = |fallen: &Vec<Vec<Vec3>>| fallen.iter().map(|c| c.len() * 12 + 24).sum();
-    let fallen = cx.fold(start, &[(Key(0), ())], |_, ()| fall.all(&threads, cx), bytes)?;
+    let fallen = cx.whole(inputs.roots.key(), || {
+        let fallen = fall.all(&threads, cx)?;
+        let bytes = fallen.iter().map(|curve| curve.len() * 12 + 24).sum();
+        Ok((fallen, bytes))
+    })?;
 
     let tufts = threads.iter().zip(&from).zip(&*fallen).map(|((thread, (tuft, i)), points)| {
         let mut b = TuftBuilder::new();
@@ -450,7 +452,7 @@ mod tests {
         });
         let line = Parting { id: 1, points: points.collect(), half_width: 0.08, of_pattern: false };
         let (sections, _) = Sections::new(&ball, vec![line], &[]);
-        let parted = Arc::new(ball.parted(Arc::new(sections)));
+        let parted = Arc::new(ball.parted(sections));
         let sides = |parted_at: f32| {
             let set = [
                 ("roots", roots(300).into()),
@@ -493,7 +495,7 @@ mod tests {
         });
         let line = Parting { id: 1, points: points.collect(), half_width: 0.08, of_pattern: false };
         let (sections, _) = Sections::new(&ball, vec![line], &[]);
-        let parted = Arc::new(ball.parted(Arc::new(sections)));
+        let parted = Arc::new(ball.parted(sections));
         let sides = |scalp: Arc<Scalp>| {
             let set = [
                 ("roots", roots(200).into()),

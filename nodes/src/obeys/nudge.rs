@@ -3,11 +3,11 @@
 use super::{Bench, faults};
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, TuftBuilder};
-use crate::data::route::{Policy, Route};
+use crate::data::route::Policy;
 use crate::data::scalp::tests::shared_ball;
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::define::{NodeError, Value, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, TracedScalp};
 use crate::maths::closest::tests::sphere;
 use crate::testing::{curves_of, run};
 use glam::Vec3;
@@ -20,7 +20,7 @@ node! {
         /// Hair to change.
         curves: Curves;
         /// Head that the hair stays out of.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// The most by which a point is moved along each axis.
         far: f32 = 20.0, hard(0.0, 100.0), unit(Length);
         /// Keep the length of every segment.
@@ -37,10 +37,10 @@ node! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
     let dice = cx.dice(inputs.seed, "nudge");
-    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
-    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
+    let placed = cx.by_place(inputs.scalp.as_ref());
+    let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
+        let route = piece.route(Policy::keep_length(inputs.keep_length));
         let nudged = piece.bend(&route, tuft, |_, i, new| {
             let by = |k: u64| Vec3::from([0, 1, 2].map(|a| dice.signed(tuft.id(i), 3 * k + a)));
             (0..).zip(new).for_each(|(k, p)| *p += by(k) * inputs.far);

@@ -162,7 +162,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let more = if parts.len() > 8 { ", ..." } else { "" };
         cx.remark(format!("{name:?} means {} sections: {}{more}", parts.len(), list.join(", ")));
     }
-    let sections = Arc::new(sections);
     let parted = Arc::new(scalp.parted(sections.clone()));
     cx.check()?;
     let seed = inputs.seed as u64;

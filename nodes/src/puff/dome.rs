@@ -11,13 +11,14 @@
 
 use super::tie::Tie;
 use crate::data::scalp::Scalp;
+use crate::error::NodeError;
 use crate::eval::EvalCx;
 use crate::maths::frame::smallest_rotation;
 use crate::maths::hash::KeyBuilder;
 use crate::maths::transcendental::{acos, atan2, sin_cos, sin_cos_turns};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Number of tabulated bearings.
 const BEARINGS: usize = 192;
@@ -56,16 +57,16 @@ pub(super) struct Polar {
 
 impl Dome {
     /// The skin around a tie, computed or cached. Bearings are the tie's azimuths, tilted with its axis.
-    pub(super) fn around(cx: &EvalCx, scalp: &Scalp, tie: &Tie) -> Arc<Dome> {
+    pub(super) fn around(cx: &EvalCx, scalp: &Scalp, tie: &Tie) -> Result<Arc<Dome>, NodeError> {
         let key = KeyBuilder::new("dome").key(scalp.key()).vec3(tie.foot.point);
         cx.memo(key.vec3(tie.axis).vec3(tie.right).finish(), || {
-            let dome = Dome::new(cx, scalp, tie);
+            let dome = Dome::new(cx, scalp, tie)?;
             let bytes = dome.arcs.len() * 4 + dome.skin.len() * 24;
-            (dome, bytes)
+            Ok((dome, bytes))
         })
     }
 
-    fn new(cx: &EvalCx, scalp: &Scalp, tie: &Tie) -> Self {
+    fn new(cx: &EvalCx, scalp: &Scalp, tie: &Tie) -> Result<Self, NodeError> {
         let (frame, surface, foot) = (scalp.frame(), scalp.surface(), &tie.foot);
         let origin = frame.origin;
         let pole = (foot.point - origin).try_normalize().unwrap_or(foot.normal);
@@ -73,8 +74,7 @@ impl Dome {
         let (right, ahead) = (leaned * tie.right, leaned * tie.ahead());
         let first = foot.point.distance(origin);
         let reach = (HEAD * frame.radius).max(1.02 * first);
-        let found: Vec<OnceLock<Vec<f32>>> = (0..BEARINGS).map(|_| OnceLock::new()).collect();
-        cx.host.for_each(BEARINGS, &|b| {
+        let radii = cx.map(BEARINGS, |b| {
             let (y, x) = sin_cos_turns(b as f32 / BEARINGS as f32);
             let aside = right * x + ahead * y;
             let mut last = first;
@@ -89,15 +89,11 @@ impl Dome {
                 }
                 last
             });
-            let _ = found[b].set(radii.collect());
-        });
-        let radii: Vec<f32> =
-            found.into_iter().flat_map(|row| row.into_inner().unwrap_or_default()).collect();
+            Ok(radii.collect::<Vec<f32>>())
+        })?;
         let mut dome = Dome { origin, pole, right, ahead, arcs: vec![], along: 0, skin: vec![] };
-        if radii.len() == BEARINGS * ANGLES {
-            dome.fill(&radii);
-        }
-        dome
+        dome.fill(&radii.concat());
+        Ok(dome)
     }
 
     fn fill(&mut self, radii: &[f32]) {

@@ -143,7 +143,8 @@ const FAR_OFF: f32 = 0.6;
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
     let ties = ties(cx, &inputs)?;
-    let domes: Vec<Arc<Dome>> = ties.iter().map(|tie| Dome::around(cx, scalp, tie)).collect();
+    let domes: Vec<Arc<Dome>> =
+        ties.iter().map(|tie| Dome::around(cx, scalp, tie)).collect::<Result<_, _>>()?;
     cx.check()?;
     let sections = scalp.sections().filter(|_| inputs.own_section);
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));

@@ -63,15 +63,18 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     }
     let edges = Edges { softness: inputs.softness, line: inputs.edge };
     let known = |key: Key, make: &dyn Fn() -> Result<GridMeans, NodeError>| {
-        cx.fold::<GridMeans, ()>((key, make), &[], |_, ()| make(), GridMeans::bytes)
+        cx.memo(key, || {
+            let even = make()?;
+            let bytes = even.bytes();
+            Ok((even, bytes))
+        })
     };
     let laid = |key: Key, make: &dyn Fn() -> ClosedStroke| {
-        let made = || {
+        cx.memo(key, || {
             let laid = make();
             let bytes = laid.bytes();
-            (laid, bytes)
-        };
-        cx.memo(key, made)
+            Ok((laid, bytes))
+        })
     };
     let check = || cx.check();
     let strokes = carried(&scalp, strokes);

@@ -9,10 +9,10 @@ use super::seeds::Seeds;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::field::FieldFault;
 use crate::data::ramp::Ramp;
-use crate::data::route::{Policy, Route};
+use crate::data::route::Policy;
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, Value as Set, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, TracedScalp};
 use std::sync::Arc;
 
 node! {
@@ -26,7 +26,7 @@ node! {
         /// Hair to clump.
         curves: Curves;
         /// Head that the hair stays out of. Hair of different sections never clumps together.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Curves to draw hair to. Each hair goes to the curve with the nearest root.
         centres: Option<Curves>, words("guides centers middles clusters");
         /// How far hair is drawn to its centre: 0 not at all, 1 onto it.
@@ -71,32 +71,31 @@ fn only_finer(of: &dyn Fn(&str) -> Option<Set>) -> Option<&'static str> {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
     let dice = cx.dice(inputs.seed, "clump");
     let stray = cx.dice(inputs.seed, "clump stray");
     let centres = inputs.centres.as_ref().map(one_each);
     let given = centres.as_ref().map(|all| Given::new(all.tufts().iter().map(|tuft| &**tuft)));
     let name = inputs.attribute.trim();
-    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
-    let levels = |tuft: &Tuft, read: &[&Tuft]| -> Result<Vec<Middles>, NodeError> {
-        let missing = || FieldFault::NoAttribute(name.to_owned());
-        let first = match (&given, name) {
-            (None, "") => None,
-            (None, _) => Some(Middles::alike(tuft, name, scalp).ok_or_else(missing)?),
-            (Some(_), "") => Some(Middles::given(tuft, read, scalp)),
-            (Some(_), _) => Some(Middles::named(tuft, name, read).ok_or_else(missing)?),
-        };
-        let mut density = inputs.density;
-        let mut levels: Vec<Middles> = first.into_iter().collect();
-        for level in 0..inputs.levels as u64 {
-            if level > 0 || levels.is_empty() {
-                let seeds = Seeds::on_surface(density, dice, level);
-                levels.push(Middles::strewn(tuft, &seeds, scalp.map(Scalp::frame), scalp));
+    let levels =
+        |tuft: &Tuft, read: &[&Tuft], scalp: Option<&Scalp>| -> Result<Vec<Middles>, NodeError> {
+            let missing = || FieldFault::NoAttribute(name.to_owned());
+            let first = match (&given, name) {
+                (None, "") => None,
+                (None, _) => Some(Middles::alike(tuft, name, scalp).ok_or_else(missing)?),
+                (Some(_), "") => Some(Middles::given(tuft, read, scalp)),
+                (Some(_), _) => Some(Middles::named(tuft, name, read).ok_or_else(missing)?),
+            };
+            let mut density = inputs.density;
+            let mut levels: Vec<Middles> = first.into_iter().collect();
+            for level in 0..inputs.levels as u64 {
+                if level > 0 || levels.is_empty() {
+                    let seeds = Seeds::on_surface(density, dice, level);
+                    levels.push(Middles::strewn(tuft, &seeds, scalp.map(Scalp::frame), scalp));
+                }
+                density *= FINER;
             }
-            density *= FINER;
-        }
-        Ok(levels)
-    };
+            Ok(levels)
+        };
     let none = Curves::default();
     let sources = centres.as_ref().unwrap_or(&none);
     let needs = |_: usize, tuft: &Tuft| match (&given, name) {
@@ -104,16 +103,18 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         (Some(given), "") => given.near(tuft),
         (Some(_), _) => (0..sources.tufts().len() as u32).collect(),
     };
-    let [curves] = cx.by_place(scalp).each_tuft_with(
+    let [curves] = cx.by_place(inputs.scalp.as_ref()).each_tuft_with(
         &inputs.curves,
         sources,
         needs,
         |tuft, read, piece| {
+            let scalp = piece.scalp();
             let amount = inputs.amount.on(tuft, scalp)?;
             if inputs.amount.constant() == Some(0.0) {
                 return Ok([tuft.clone()]);
             }
-            let levels = levels(tuft, read)?;
+            let levels = levels(tuft, read, scalp)?;
+            let route = piece.route(Policy::keep_length(inputs.keep_length));
             let bent = piece.bend(&route, tuft, |hair, i, new| {
                 if stray.unit(tuft.id(i), 0) < inputs.strays {
                     return;

@@ -6,10 +6,9 @@
 
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
-use crate::data::route::{Policy, Route};
-use crate::data::scalp::Scalp;
+use crate::data::route::Policy;
 use crate::define::{FieldInput, NodeError, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, TracedScalp};
 use crate::maths::random_walk::{random_walk, smooth};
 use glam::Vec2;
 use std::sync::Arc;
@@ -25,7 +24,7 @@ node! {
         /// Hair to change.
         curves: Curves;
         /// Head that the hair stays out of. Masks need it too.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Largest distance of a kink from the hair's path.
         amplitude: FieldInput = 0.5, hard(0.0, 100.0), soft(0.0, 2.0), unit(Length), words("amount magnitude strength intensity");
         /// Amplitude factor from root (left) to tip.
@@ -53,13 +52,13 @@ node! {
 const MOST_STEPS: f32 = 4096.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
     let step = inputs.step;
     let (walk_dice, dice) =
         (cx.dice(inputs.seed, "frizz"), cx.dice(inputs.seed, "frizz of a hair"));
-    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
-    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let amplitude = inputs.amplitude.on(tuft, scalp)?;
+    let placed = cx.by_place(inputs.scalp.as_ref());
+    let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
+        let route = piece.route(Policy::keep_length(inputs.keep_length));
+        let amplitude = inputs.amplitude.on(tuft, piece.scalp())?;
         let (mut frames, mut walk, mut steps) = (vec![], vec![], vec![]);
         let bent = piece.bend(&route, tuft, |hair, i, new| {
             let (first, id) = (tuft.range(i).start, tuft.id(i));

@@ -9,12 +9,10 @@ use super::shorten::{Shortened, grow_on};
 use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::route::{Policy, Route};
-use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node, unless};
-use crate::eval::{EvalCx, Piece, Size};
+use crate::eval::{EvalCx, Piece, Size, TracedScalp};
 use crate::maths::spline::Spline;
 use glam::Vec3;
-use std::sync::Arc;
 
 node! {
     /// Cuts, extends or scales hair to a length.
@@ -27,7 +25,7 @@ node! {
         /// Hair to change.
         curves: Curves;
         /// Head that new CVs stay out of. Masks need it too.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Whether to give the length as a share of the hair's own, or in centimetres.
         by: By = By::Share, words("relative absolute");
         /// Share of the hair's own length. Read at the root.
@@ -92,7 +90,6 @@ const NOTHING: f32 = 0.01;
 const RIGHT: f32 = 1e-5;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
     let dice = cx.dice(inputs.seed, "length");
     if let (By::Share, Way::Cut, Some(share)) = (inputs.by, inputs.way, inputs.share.constant())
         && inputs.change != Change::Shorten
@@ -103,8 +100,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let pieces = ("pieces between points that come in", pieces as f64);
         cx.may_make(&Size::of(&[pieces, ("share less variation", times)]))?;
     }
-    let route = Route::new(scalp, Policy::keep_length(false));
-    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
+    let placed = cx.by_place(inputs.scalp.as_ref());
+    let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
+        let (scalp, route) = (piece.scalp(), piece.route(Policy::keep_length(false)));
         let field = match inputs.by {
             By::Share => inputs.share.on(tuft, scalp)?,
             By::Length => inputs.length.on(tuft, scalp)?,

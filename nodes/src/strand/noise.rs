@@ -6,11 +6,10 @@
 use super::waves::Waves;
 use crate::data::curves::Curves;
 use crate::data::ramp::Ramp;
+use crate::data::route::Policy;
 use crate::data::route::hair::Hair;
-use crate::data::route::{Policy, Route};
-use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, choice, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, TracedScalp};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -25,7 +24,7 @@ node! {
         /// Hair to change.
         curves: Curves;
         /// Head that the hair stays out of. Masks need it too.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Largest distance from the hair's path.
         amplitude: FieldInput = 0.6, hard(0.0, 100.0), soft(0.0, 3.0), unit(Length), words("amount magnitude strength intensity");
         /// Wavelength of the largest waves.
@@ -62,7 +61,6 @@ choice! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
     let wavelength = inputs.wavelength;
     let waves = Waves {
         dice: cx.dice(inputs.seed, "noise"),
@@ -70,7 +68,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         roughness: inputs.roughness,
     };
     // In the head's axes, so that the waves move with the head.
-    let frame = scalp.map(|scalp| *scalp.frame());
+    let frame = inputs.scalp.as_ref().map(|scalp| *scalp.head().frame());
     let in_space = |p: Vec3| match &frame {
         Some(frame) => {
             let at = frame.head_from_vector(p - frame.origin) / wavelength;
@@ -78,9 +76,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         None => waves.in_space(p / wavelength),
     };
-    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
-    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
-        let amplitude = inputs.amplitude.on(tuft, scalp)?;
+    let placed = cx.by_place(inputs.scalp.as_ref());
+    let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
+        let route = piece.route(Policy::keep_length(inputs.keep_length));
+        let amplitude = inputs.amplitude.on(tuft, piece.scalp())?;
         let bent = piece.bend(&route, tuft, |hair, i, new| {
             let first = tuft.range(i).start;
             let far = |k: usize| {

@@ -7,10 +7,10 @@ use super::waves::Waves;
 use crate::data::attributes::SCALP_NORMAL;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::ramp::Ramp;
-use crate::data::route::{Policy, Route};
+use crate::data::route::Policy;
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
-use crate::eval::EvalCx;
+use crate::eval::{EvalCx, TracedScalp};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ node! {
         /// Hair to change.
         curves: Curves;
         /// Head that the hair stays out of. Masks need it too.
-        scalp: Option<Arc<Scalp>>;
+        scalp: Option<TracedScalp>;
         /// Share of hairs that leave. Read at the root.
         share: FieldInput = 0.04, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("amount percent number probability");
         /// Largest distance of a tip from its old place.
@@ -53,12 +53,13 @@ node! {
 const WAVE: f32 = 6.0;
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = inputs.scalp.as_deref();
     let wave_length = WAVE * cx.unit();
     let dice = cx.dice(inputs.seed, "stray");
     let waves = Waves { dice: cx.dice(inputs.seed, "stray wave"), octaves: 2, roughness: 0.4 };
-    let route = Route::new(scalp, Policy::keep_length(inputs.keep_length));
-    let [curves] = cx.by_place(scalp).each_tuft(&inputs.curves, |tuft, piece| {
+    let placed = cx.by_place(inputs.scalp.as_ref());
+    let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
+        let route = piece.route(Policy::keep_length(inputs.keep_length));
+        let scalp = piece.scalp();
         let (share, distance) = (inputs.share.on(tuft, scalp)?, inputs.distance.on(tuft, scalp)?);
         let mut frames = vec![];
         let bent = piece.bend(&route, tuft, |hair, i, new| {

@@ -10,8 +10,10 @@ use coif_nodes::data::gestures::{Gesture, GestureView, Gestures, Layer, PenSampl
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
+use coif_nodes::maths::hash::Dice;
 use coif_nodes::maths::transcendental::{sin_cos, sin_cos_turns};
 use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 const CLUSTERS: usize = 150;
@@ -181,10 +183,13 @@ impl Session {
         set(&mut self.document, "lines", "strokes", lines.into());
         self.run()
     }
-    fn run(&self) -> Outcome {
+    fn outcome(&self) -> Outcome {
         let plan = plan(&self.document, &self.targets, Quality::Final, &self.files)
             .unwrap_or_else(|err| panic!("{err}"));
-        let outcome = self.evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+        self.evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet)
+    }
+    fn run(&self) -> Outcome {
+        let outcome = self.outcome();
         for node in &outcome.nodes {
             assert_eq!(node.error, None, "{}", node.name);
         }
@@ -369,6 +374,177 @@ fn whatever_becomes_of_partings_the_hair_is_that_of_a_fresh_run() {
     for (what, drawn) in cases {
         let kept = session.run_parted(drawn.clone());
         assert_same(&kept, &Session::parted().run_parted(drawn), what);
+    }
+}
+
+/// A number of a trial, told by its name.
+#[derive(Clone, Copy)]
+struct Any(Dice, u64);
+
+impl Any {
+    fn range(self, what: u64, low: f32, high: f32) -> f32 {
+        self.0.range(self.1, what, low, high)
+    }
+    fn of<'a>(self, what: u64, words: &[&'a str]) -> &'a str {
+        words[self.0.below(self.1, what, words.len() as u32) as usize]
+    }
+}
+
+/// Some node that moves hair, makes it longer or winds it, with what it is set to. Some read a mask, which may be a section.
+fn any_modifier(any: Any) -> String {
+    let [x, y, z] = [0, 1, 2].map(|what| any.range(10 + what, 0.0, 1.0));
+    let keep = any.of(1, &["true", "false"]);
+    let far = match any.of(2, &["plain", "plain", "region", "section"]) {
+        "region" => format!("Product([{:.3}, Mask(\"scalp\")])", 0.2 + x),
+        "section" => format!("Product([{:.3}, Mask(\"fore\")])", 0.2 + x),
+        _ => format!("{:.3}", 0.2 + x),
+    };
+    let (kind, inputs) = match any.of(0, &["clump", "frizz", "length", "noise", "stray", "curl"]) {
+        "clump" => (
+            "clump",
+            format!("\"density\": {:.3}, \"levels\": 2, \"twist\": {:.1}", 0.1 + y, 90.0 * z),
+        ),
+        "frizz" => ("frizz", format!("\"amplitude\": {far}, \"step\": {:.3}", 0.2 + y)),
+        "length" => (
+            "length",
+            format!("\"share\": {:.3}, \"way\": \"{}\"", 0.5 + x, any.of(3, &["cut", "scale"])),
+        ),
+        "noise" => (
+            "noise",
+            format!("\"amplitude\": {far}, \"together\": \"{}\"", any.of(4, &["space", "hair"])),
+        ),
+        "stray" => ("stray", format!("\"share\": {:.3}, \"distance\": {far}", 0.1 + 0.5 * y)),
+        _ => ("shape_list_curl", format!("\"preset\": \"{}\"", any.of(5, &["2b", "3a", "3c"]))),
+    };
+    let keeps = matches!(kind, "clump" | "frizz" | "noise" | "stray");
+    let keep = if keeps { format!(", \"keep_length\": {keep}") } else { String::new() };
+    format!("(kind: \"{kind}\", inputs: {{\"seed\": {}, {inputs}{keep}}})", any.of(6, &["1", "2"]))
+}
+
+/// Hair of a maker on a parted scalp, and some modifiers after it, all of which run by place.
+fn any_graph(any: Any) -> String {
+    let (made, nodes, links) = match any.of(7, &["hang", "clusters", "braids"]) {
+        // It lies over partings that its scalp does not have.
+        "hang" => (
+            "hang.curves",
+            r#""hang": (kind: "hang", inputs: {"clearance": 0.1, "length": 14.0, "points": 24, "separate": false}),"#,
+            r#""hang.roots": "guides.curves", "hang.scalp": "head.scalp","#,
+        ),
+        "clusters" => (
+            "clusters.curves",
+            r#""clusters": (kind: "cluster_to_strands", inputs: {"count": 8, "points": 12, "radius": 0.8}),"#,
+            r#""clusters.curves": "guides.curves", "clusters.scalp": "parted.scalp","#,
+        ),
+        _ => (
+            "hair.curves",
+            r#""braid": (kind: "lissajous_braid"),
+            "hair": (kind: "braid_hair", inputs: {"points_per_stitch": 4.0}),
+            "territory": (kind: "braid_territory", inputs: {"density": 3.0}),"#,
+            r#""braid.scalp": "parted.scalp", "braid.source": "territory.source",
+            "hair.roots": "territory.curves", "hair.scalp": "parted.scalp",
+            "hair.stitches": "braid.stitches", "hair.strands": "braid.curves",
+            "territory.scalp": "parted.scalp", "territory.source": "parted.rows","#,
+        ),
+    };
+    let (mut nodes, mut links, mut last) = (nodes.to_owned(), links.to_owned(), made.to_owned());
+    for k in 0..2 + any.1 % 2 {
+        let node = any_modifier(Any(any.0, 1000 * (any.1 + 1) + k));
+        nodes += &format!("\"move{k}\": {node},");
+        links += &format!("\"move{k}.curves\": \"{last}\", \"move{k}.scalp\": \"parted.scalp\",");
+        last = format!("move{k}.curves");
+    }
+    format!(
+        r#"(format: 1, nodes: {{
+            "head": (kind: "head"),
+            "guides": (kind: "scatter_guides", inputs: {{"count": 60, "length": 9.0, "points": 12}}),
+            "lines": (kind: "stroke_input", inputs: {{"project": "free"}}),
+            "parted": (kind: "partings", inputs: {{"names": "fore 0.9 6 8"}}),
+            "out": (kind: "groom_output"),
+            {nodes}
+        }}, links: {{
+            "guides.scalp": "head.scalp",
+            "lines.scalp": "head.scalp",
+            "parted.lines": "lines.curves",
+            "parted.scalp": "head.scalp",
+            "out.curves": "{last}",
+            {links}
+        }})"#
+    )
+}
+
+/// Lines from the forehead to the nape, each so far beside the middle at its two ends (cm), by id.
+fn lines_at(ends: &[(u64, [f32; 2])]) -> Strokes {
+    let stroke = |(id, [front, back]): &(u64, [f32; 2])| {
+        let sample = |k: usize| {
+            let (up, ahead) = sin_cos_turns((5.0 + 12.0 * k as f32) / 360.0);
+            let x = front + (back - front) * k as f32 / 21.0;
+            let radius = (121.0 - x * x).sqrt();
+            let position = Vec3::new(x, radius * up, radius * ahead);
+            Sample { position, pressure: 0.5, time: k as f32 * 0.02, ..Sample::default() }
+        };
+        Stroke::new(*id, (0..22).map(sample).collect())
+    };
+    Strokes(ends.iter().map(stroke).collect())
+}
+
+#[test]
+fn however_partings_move_under_whatever_nodes_the_hair_is_that_of_a_run_that_keeps_nothing() {
+    let dice = Dice::new(0, 0, "partings under graphs");
+    let mut reused = BTreeMap::<&str, u32>::new();
+    for trial in 0..8 {
+        let any = Any(dice, trial);
+        let graph = any_graph(any);
+        let mut kept = Session::of(&graph, ["out.curves", "parted.rows"]);
+        let mut fresh = Session::of(&graph, ["out.curves", "parted.rows"]);
+        // Who keeps nothing notes nothing, and reads all through plain scalps.
+        fresh.evaluator = Evaluator::new(2, 0).unwrap();
+        let place = |k: u64| 1.9 * (k as f32 - 2.5);
+        let mut ends: Vec<(u64, [f32; 2])> = (0..6).map(|k| (k + 1, [place(k); 2])).collect();
+        let mut before = ends.clone();
+        for step in 0..5u64 {
+            let what = format!("trial {trial}, step {step}: {ends:?} under {graph}");
+            for session in [&mut kept, &mut fresh] {
+                set(&mut session.document, "lines", "strokes", lines_at(&ends).into());
+            }
+            let [kept, fresh] = [&kept, &fresh].map(Session::outcome);
+            for (kept, fresh) in kept.nodes.iter().zip(&fresh.nodes) {
+                assert_eq!(kept.error, fresh.error, "{}, {what}", kept.name);
+                assert_eq!(kept.messages, fresh.messages, "{}, {what}", kept.name);
+                if step > 0 && !kept.cached && kept.tufts_run > 0 {
+                    *reused.entry(kept.kind).or_default() += kept.tufts_reused;
+                }
+            }
+            let keys = |outcome: &Outcome| {
+                let of = |value: &Option<Value>| value.as_ref().map(Value::key);
+                outcome.targets.iter().map(of).collect::<Vec<_>>()
+            };
+            assert_eq!(keys(&kept), keys(&fresh), "{what}");
+            let pick = any.0.below(trial, 100 + step, ends.len() as u32) as usize;
+            let by = |n: u64| any.0.range(trial, 200 + 10 * step + n, -0.7, 0.7);
+            let was = ends.clone();
+            match any.of(300 + step, &["one end", "both ends", "gone", "new", "back"]) {
+                "one end" => ends[pick].1[0] += by(0),
+                "both ends" => ends[pick].1 = ends[pick].1.map(|x| x + by(1)),
+                "gone" => _ = ends.remove(pick),
+                "new" => ends.push((20 + step, [6.0 * by(2), 6.0 * by(3)])),
+                _ => ends = before,
+            }
+            before = was;
+        }
+    }
+    println!("{reused:?}");
+    let by_place = [
+        "braid_hair",
+        "clump",
+        "cluster_to_strands",
+        "frizz",
+        "length",
+        "noise",
+        "shape_list_curl",
+        "stray",
+    ];
+    for kind in by_place {
+        assert!(reused.get(kind).is_some_and(|pieces| *pieces > 0), "{kind}: {reused:?}");
     }
 }
 

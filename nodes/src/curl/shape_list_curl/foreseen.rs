@@ -27,13 +27,13 @@ pub(super) fn foreseen(
     let longest = spread * pattern.even.pitch / (1.0 - frequency).max(0.1);
     let widest = spread * pattern.even.size * (1.0 + amplitude);
     let around = pattern.shapes.iter().fold(0.0, |most: f32, shape| most.max(shape.perimeter));
-    let scalp = inputs.scalp.as_deref();
+    let scalp = inputs.scalp.as_ref();
     let mut points = 0.0f64;
     for tuft in inputs.curves.tufts() {
-        let pitch = inputs.pitch.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;
-        let diameter = inputs.diameter.as_ref().map(|f| f.on(tuft, scalp)).transpose()?;
-        let amount = inputs.amount.on(tuft, scalp)?;
-        let long = inputs.hair_length.on(tuft, scalp)?;
+        let pitch = inputs.pitch.as_ref().map(|f| f.on_traced(tuft, scalp)).transpose()?;
+        let diameter = inputs.diameter.as_ref().map(|f| f.on_traced(tuft, scalp)).transpose()?;
+        let amount = inputs.amount.on_traced(tuft, scalp)?;
+        let long = inputs.hair_length.on_traced(tuft, scalp)?;
         let fibre = tuft.view(FIBRE);
         for i in 0..tuft.len() {
             let cvs = tuft.curve(i);

@@ -1,0 +1,257 @@
+//! Hair in pieces: each made by itself, on any thread, kept under the key of what it reads, and made again when that changes.
+//!
+//! Guarantees: tufts come in the order of their pieces; no piece is run whose key is known; what could not be foreseen to be too much
+//! ends when it is, whatever the order. Not promised: anything for a piece that reads what its key does not tell.
+
+use super::log::MOST_NAMED;
+use super::traced::ByPlace;
+use super::{EvalCx, FEW_POINTS, Host, Message, SPARE, Size, TracedScalp, millions};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::route::hair::Hair;
+use crate::data::route::{Policy, Route};
+use crate::data::scalp::Scalp;
+use crate::data::sections::Sections;
+use crate::error::NodeError;
+use crate::maths::hash::{Key, KeyBuilder};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+
+/// One piece of work while it runs.
+pub struct Piece<'a> {
+    host: &'a dyn Host,
+    scalp: Option<&'a Scalp>,
+    since: u32,
+    troubles: BTreeMap<String, (u32, Vec<u64>)>,
+}
+
+impl<'a> Piece<'a> {
+    /// The scalp of a node that runs by place, as this piece sees it: what it asks of the sections is noted. No other piece may be given
+    /// what came of it.
+    pub fn scalp(&self) -> Option<&'a Scalp> {
+        self.scalp
+    }
+    /// The way of hair on that scalp.
+    pub(crate) fn route(&self, policy: Policy) -> Route<'a> {
+        Route::new(self.scalp, policy)
+    }
+    /// To be called for every curve: now and then looks whether somebody asked to stop.
+    #[inline]
+    pub fn tick(&mut self) -> Result<(), NodeError> {
+        self.since += 1;
+        if self.since.is_multiple_of(64) && self.host.cancelled() {
+            return Err(NodeError::Cancelled);
+        }
+        Ok(())
+    }
+    /// Notes trouble with one curve. The text is the same for all curves it happens to.
+    pub fn trouble(&mut self, curve: u64, text: impl std::fmt::Display) {
+        let (count, curves) = self.troubles.entry(text.to_string()).or_default();
+        *count += 1;
+        if curves.len() < MOST_NAMED {
+            curves.push(curve);
+        }
+    }
+    /// The tuft with hairs where they may be of what `bend` wishes: given a hair and its number, it moves the points, all of them there
+    /// as they are. Hair that may be nowhere near is left as it was, which is told.
+    pub(crate) fn bend(
+        &mut self,
+        route: &Route,
+        tuft: &Tuft,
+        mut bend: impl FnMut(&Hair, usize, &mut [Vec3]),
+    ) -> Result<Tuft, NodeError> {
+        let (mut hair, mut new) = (Hair::default(), vec![]);
+        let mut moved = route.moved(tuft);
+        for i in 0..tuft.len() {
+            self.tick()?;
+            if !hair.read(tuft.curve(i)) {
+                continue;
+            }
+            new.clear();
+            new.extend_from_slice(tuft.curve(i));
+            bend(&hair, i, &mut new);
+            if let Err(why) = moved.hair(i, &mut new) {
+                self.trouble(tuft.id(i), why);
+            }
+        }
+        Ok(moved.done().map_or_else(|| tuft.clone(), TuftBuilder::build))
+    }
+}
+
+struct Made {
+    tufts: Vec<Vec<Arc<Tuft>>>,
+    troubles: Vec<Message>,
+}
+
+impl Made {
+    fn bytes(&self) -> usize {
+        self.tufts.iter().flatten().map(|t| t.bytes()).sum::<usize>() + 256
+    }
+}
+
+impl EvalCx<'_> {
+    /// Tufts to tufts: each output tuft reads one input tuft and nothing else that varies. As many points as come in are
+    /// foreseen; who makes more asks [`Self::may_make`] first.
+    pub fn each_tuft<const N: usize>(
+        &self,
+        curves: &Curves,
+        make: impl Fn(&Tuft, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.may_make(&Size::as_many([curves]))?;
+        let tufts = curves.tufts();
+        let key = |i: usize| KeyBuilder::new("tuft").key(tufts[i].key());
+        self.pieces(tufts.len(), key, |i, piece| make(&tufts[i], piece))
+    }
+
+    /// One tuft from each curve, all of them of this size.
+    pub fn each_curve<const N: usize>(
+        &self,
+        curves: &Curves,
+        size: &Size,
+        make: impl Fn(&Tuft, usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.may_make(size)?;
+        let all: Vec<(&Tuft, usize)> = curves.each().collect();
+        let key = |i: usize| {
+            let (tuft, curve) = all[i];
+            KeyBuilder::new("curve").key(tuft.key()).int(curve as u64)
+        };
+        self.pieces(all.len(), key, |i, piece| make(all[i].0, all[i].1, piece))
+    }
+
+    /// Tufts that read other tufts: `needs` names, by number, the tufts of `sources` that an output reads; they are
+    /// handed to `make` in that order. An output is made again only when its own tuft or one of these
+    /// changes. As many points as come in are foreseen.
+    pub fn each_tuft_with<const N: usize>(
+        &self,
+        curves: &Curves,
+        sources: &Curves,
+        needs: impl Fn(usize, &Tuft) -> Vec<u32>,
+        make: impl Fn(&Tuft, &[&Tuft], &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.may_make(&Size::as_many([curves]))?;
+        let tufts = curves.tufts();
+        let needed: Vec<Vec<u32>> = tufts.iter().enumerate().map(|(i, t)| needs(i, t)).collect();
+        let key = |i: usize| {
+            let key = KeyBuilder::new("gather").key(tufts[i].key());
+            needed[i].iter().fold(key, |key, n| key.key(sources.tufts()[*n as usize].key()))
+        };
+        self.pieces(tufts.len(), key, |i, piece| {
+            let read: Vec<&Tuft> =
+                needed[i].iter().map(|n| &*sources.tufts()[*n as usize]).collect();
+            make(&tufts[i], &read, piece)
+        })
+    }
+
+    /// `n` tufts, all of them of this size, each told by the key of its own item (a stroke, a region of the scalp). The key names
+    /// all that the item reads of curves, too.
+    pub fn each_item<const N: usize>(
+        &self,
+        n: usize,
+        size: &Size,
+        item: impl Fn(usize) -> Key + Sync,
+        make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        self.may_make(size)?;
+        self.pieces(n, |i| KeyBuilder::new("item").key(item(i)), make)
+    }
+
+    fn pieces<const N: usize>(
+        &self,
+        n: usize,
+        key: impl Fn(usize) -> KeyBuilder + Sync,
+        make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
+    ) -> Result<[Curves; N], NodeError> {
+        let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
+            (0..n).map(|_| OnceLock::new()).collect();
+        let node = self.traced().map_or(self.node, |(node, _)| node);
+        // What could not be foreseen is found when it is made: so much is, or not, whatever the order of pieces.
+        let most = self.host.room().points.unwrap_or(u64::MAX);
+        let (done, points, is_full) =
+            (AtomicU32::new(0), AtomicU64::new(0), AtomicBool::new(false));
+        self.host.for_each(n, &|i| {
+            if points.load(Ordering::Relaxed) <= most && !is_full.load(Ordering::Relaxed) {
+                let piece = self.piece(key(i).key(node).finish(), i, &make);
+                let tufts = piece.iter().flat_map(|made| made.tufts.iter().flatten());
+                let more = tufts.map(|t| t.points().len() as u64).sum();
+                let before = points.fetch_add(more, Ordering::Relaxed);
+                if before / FEW_POINTS != (before + more) / FEW_POINTS
+                    && self.host.room().bytes.is_some_and(|free| free < SPARE)
+                {
+                    is_full.store(true, Ordering::Relaxed);
+                }
+                let _ = made[i].set(piece);
+            }
+            self.host.progress(done.fetch_add(1, Ordering::Relaxed) as usize + 1, n);
+        });
+        if points.into_inner() > most {
+            let said = format!("would make more than {}", millions(most as f64));
+            return Err(NodeError::TooLarge(said));
+        }
+        if is_full.into_inner() {
+            return Err(NodeError::failed(
+                "there is no memory left for what it makes: ask for less hair, or for fewer points on each",
+            ));
+        }
+        let mut outputs = [const { Vec::new() }; N];
+        for made in made {
+            let made = made.into_inner().unwrap_or(Err(NodeError::Cancelled))?;
+            for (output, tufts) in outputs.iter_mut().zip(&made.tufts) {
+                output.extend(tufts.iter().cloned());
+            }
+            made.troubles.iter().for_each(|trouble| self.log.say(trouble.clone()));
+        }
+        Ok(outputs.map(Curves::new))
+    }
+
+    fn piece<const N: usize>(
+        &self,
+        key: Key,
+        i: usize,
+        make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
+    ) -> Result<Arc<Made>, NodeError> {
+        self.check()?;
+        let Some((_, sections)) = self.traced() else {
+            if let Some(made) = self.host.find(key).and_then(|kept| kept.downcast().ok()) {
+                self.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+                return Ok(made);
+            }
+            let made = Arc::new(self.made(i, self.scalp.map(TracedScalp::seen), make)?);
+            self.host.keep(key, made.clone(), made.bytes());
+            return Ok(made);
+        };
+        let known = self.host.find(key).and_then(|kept| kept.downcast::<ByPlace<Made>>().ok());
+        if let Some(made) = known.as_ref().and_then(|known| known.on(sections)) {
+            self.log.tufts_reused.fetch_add(1, Ordering::Relaxed);
+            return Ok(made);
+        }
+        let scalp = self.scalp.map(TracedScalp::noting);
+        let made = Arc::new(self.made(i, scalp.as_ref(), make)?);
+        let read = scalp.as_ref().and_then(Scalp::sections).map(Sections::footprint);
+        if let Some(read) = read {
+            let kept = ByPlace::with(known.as_deref(), read, made.clone());
+            let bytes = kept.bytes(Made::bytes);
+            self.host.keep(key, Arc::new(kept), bytes);
+        }
+        Ok(made)
+    }
+
+    fn made<const N: usize>(
+        &self,
+        i: usize,
+        scalp: Option<&Scalp>,
+        make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
+    ) -> Result<Made, NodeError> {
+        self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
+        let mut piece = Piece { host: self.host, scalp, since: 0, troubles: BTreeMap::new() };
+        let tufts: Vec<Vec<Arc<Tuft>>> =
+            make(i, &mut piece)?.into_iter().map(Tuft::split).collect();
+        let troubles = piece
+            .troubles
+            .into_iter()
+            .map(|(text, (count, curves))| Message { warning: true, text, count, curves })
+            .collect();
+        Ok(Made { tufts, troubles })
+    }
+}
