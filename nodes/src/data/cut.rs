@@ -10,7 +10,7 @@
 //! of narrowness, which derives from the median width of all. Not promised: sections narrower than a cell (1.1 mm).
 
 use super::chart::{CELL, CELLS, around, middle};
-use super::lines::{Lines, PartingSegment, Seen};
+use super::lines::{Lines, LinesView, PartingSegment};
 use super::scalp::Scalp;
 use super::sections::{NONE, Parting};
 use crate::maths::hash::curve_id;
@@ -96,7 +96,7 @@ pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>) -> Cut {
 }
 
 /// Joins cells with no parting between them: first those off the lines, then those next to them, then the rest.
-fn flood(scalp: &Scalp, lines: Seen) -> Vec<u32> {
+fn flood(scalp: &Scalp, lines: LinesView) -> Vec<u32> {
     let spots = scalp.chart().spots();
     let mut labels = vec![NONE; CELLS * CELLS];
     let mut next = 0;
@@ -138,7 +138,7 @@ fn flood(scalp: &Scalp, lines: Seen) -> Vec<u32> {
 }
 
 /// Areas and borders.
-fn measured(scalp: &Scalp, lines: Seen, labels: &[u32]) -> Vec<Tract> {
+fn measured(scalp: &Scalp, lines: LinesView, labels: &[u32]) -> Vec<Tract> {
     let spots = scalp.chart().spots();
     let mut tracts: Vec<Tract> = vec![];
     for (cell, label) in labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
@@ -166,7 +166,7 @@ fn side(scalp: &Scalp, cell: usize, other: usize) -> f32 {
 /// that it is now part of. Updates the measurements.
 fn join(
     scalp: &Scalp,
-    lines: Seen,
+    lines: LinesView,
     partings: &[Parting],
     labels: &[u32],
     tracts: &mut [Tract],
@@ -305,7 +305,7 @@ fn number(one_with: &[u32], tracts: &[Tract], labels: &mut [u32]) -> usize {
 }
 
 /// Gives specks to an adjacent section that no parting separates them from.
-fn mend_the_edge(lines: Seen, specks: &[usize], labels: &mut [u32]) {
+fn mend_the_edge(lines: LinesView, specks: &[usize], labels: &mut [u32]) {
     if specks.iter().all(|cell| labels[*cell] != NONE) {
         return;
     }

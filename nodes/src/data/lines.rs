@@ -1,6 +1,6 @@
 //! The lines of partings, and what is asked about them by place: which lie in a cell of the map, or near a point in space.
 //!
-//! Guarantees: whoever looks at a place does so through [`Seen`], which notes it where its piece of work notes what it reads
+//! Guarantees: whoever looks at a place does so through [`LinesView`], which notes it where its piece of work notes what it reads
 //! (`read_set.rs`); no other module can look. Digests hold all that a look at a place can find. Not promised: that all segments that
 //! are listed for a place are near it.
 
@@ -43,7 +43,7 @@ pub(super) struct Lines {
 
 /// Lines, and the sections between them, as somebody looks at them who may note where.
 #[derive(Clone, Copy)]
-pub(super) struct Seen<'a> {
+pub(super) struct LinesView<'a> {
     lines: &'a Lines,
     labels: &'a [u32],
     reads: Option<&'a Reads>,
@@ -51,8 +51,8 @@ pub(super) struct Seen<'a> {
 
 /// A cell of the map that is looked at, and with it those around it.
 #[derive(Clone, Copy)]
-pub(super) struct Cell<'a> {
-    seen: Seen<'a>,
+pub(super) struct MapCell<'a> {
+    seen: LinesView<'a>,
     number: usize,
 }
 
@@ -133,8 +133,8 @@ impl Lines {
     }
 
     /// These lines and the section of each cell, or [`NONE`], seen by who notes in `reads`, if anywhere.
-    pub(super) fn seen<'a>(&'a self, labels: &'a [u32], reads: Option<&'a Reads>) -> Seen<'a> {
-        Seen { lines: self, labels, reads }
+    pub(super) fn seen<'a>(&'a self, labels: &'a [u32], reads: Option<&'a Reads>) -> LinesView<'a> {
+        LinesView { lines: self, labels, reads }
     }
 
     /// All segments, for who cuts.
@@ -227,16 +227,16 @@ impl Lines {
     }
 }
 
-/// All that is told by place goes through [`Seen::cell`], [`Seen::near_place`] and [`Seen::are_empty`], which note it. What a segment is
-/// needs no note: its number comes from one of them.
-impl<'a> Seen<'a> {
+/// All that is told by place goes through [`LinesView::cell`], [`LinesView::near_place`] and [`LinesView::are_empty`], which note it.
+/// What a segment is needs no note: its number comes from one of them.
+impl<'a> LinesView<'a> {
     /// A cell of the map.
     #[inline]
-    pub(super) fn cell(self, number: usize) -> Cell<'a> {
+    pub(super) fn cell(self, number: usize) -> MapCell<'a> {
         if let Some(reads) = self.reads {
             reads.cell(number);
         }
-        Cell { seen: self, number }
+        MapCell { seen: self, number }
     }
 
     /// The segments near a point in space: all within half a place, and some slightly farther.
@@ -374,7 +374,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-impl<'a> Cell<'a> {
+impl<'a> MapCell<'a> {
     /// Index of its section, or [`NONE`].
     #[inline]
     pub(super) fn label(self) -> u32 {

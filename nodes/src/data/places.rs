@@ -1,7 +1,7 @@
 //! Segments of partings, indexed by position in space.
 //!
 //! Guarantees: every segment within half a place of a point is listed at that point's place. Not promised: that every listed segment
-//! is that near. [`super::lines::Seen`] alone asks.
+//! is that near. [`super::lines::LinesView`] alone asks.
 
 use super::lines::PartingSegment;
 use glam::Vec3;

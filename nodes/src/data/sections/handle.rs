@@ -7,7 +7,7 @@
 use super::{NONE, Names, Parting, Section};
 use crate::data::chart::ChartProjection;
 use crate::data::cut::Cut;
-use crate::data::lines::{Lines, Seen};
+use crate::data::lines::{Lines, LinesView};
 use crate::data::mesh_cut::MeshCut;
 use crate::data::read_set::{Digests, Footprint, Reads};
 use crate::data::scalp::Scalp;
@@ -103,7 +103,7 @@ impl Sections {
 
     /// What is told by place.
     #[inline]
-    pub(super) fn seen(&self) -> Seen<'_> {
+    pub(super) fn seen(&self) -> LinesView<'_> {
         self.cuts.lines.seen(&self.cuts.all.labels, self.reads.as_deref())
     }
 
