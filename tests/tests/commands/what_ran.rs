@@ -491,7 +491,8 @@ fn lines_at(ends: &[(u64, [f32; 2])]) -> Strokes {
 fn however_partings_move_under_whatever_nodes_the_hair_is_that_of_a_run_that_keeps_nothing() {
     let dice = Dice::new(0, 0, "partings under graphs");
     let mut reused = BTreeMap::<&str, u32>::new();
-    for trial in 0..8 {
+    let (trials, steps) = if std::env::var_os("COIF_LONG").is_some() { (32, 5) } else { (8, 3) };
+    for trial in 0..trials {
         let any = Any(dice, trial);
         let graph = any_graph(any);
         let mut kept = Session::of(&graph, ["out.curves", "parted.rows"]);
@@ -501,7 +502,7 @@ fn however_partings_move_under_whatever_nodes_the_hair_is_that_of_a_run_that_kee
         let place = |k: u64| 1.9 * (k as f32 - 2.5);
         let mut ends: Vec<(u64, [f32; 2])> = (0..6).map(|k| (k + 1, [place(k); 2])).collect();
         let mut before = ends.clone();
-        for step in 0..5u64 {
+        for step in 0..steps {
             let what = format!("trial {trial}, step {step}: {ends:?} under {graph}");
             for session in [&mut kept, &mut fresh] {
                 set(&mut session.document, "lines", "strokes", lines_at(&ends).into());
