@@ -163,7 +163,7 @@ if [ -n "${COIF_LONG:-}" ]; then
     check cargo build --quiet --release -p coif --no-default-features
     export COIF_PROGRAM="$PWD/target/release/coif"
 fi
-tests cargo test --workspace --no-fail-fast --lib --bins --examples --tests
+tests cargo test --workspace --no-fail-fast --bins --examples --tests
 if [ -n "${COIF_LONG:-}" ]; then
     # Random cases, of which a release build tries more.
     tests cargo test --release --no-fail-fast -p coif-nodes --lib any_
