@@ -14,7 +14,7 @@ fn frames_stay_short_while_a_long_evaluation_runs() {
     settle(&mut ui);
     let fill = NodeId::new("fill").expect("an id");
     let mut times = vec![];
-    // Ten times the hair: seconds of work.
+    // Ten times the hair: a second of work and more.
     let setting = Setting::Known(Value::Int(1800));
     let edit = Edit::SetInput { node: fill, input: "count".to_owned(), setting };
     ui.state_mut().apply(Event::Edit(edit));
@@ -27,7 +27,7 @@ fn frames_stay_short_while_a_long_evaluation_runs() {
         std::thread::sleep(Duration::from_millis(8));
     }
     let long = began.elapsed();
-    assert!(long > Duration::from_secs(2), "the evaluation was long enough to notice: {long:?}");
+    assert!(times.len() >= 30, "{} frames are enough to judge, in {long:?}", times.len());
     times.sort_unstable();
     let at = |part: f64| times[((times.len() - 1) as f64 * part) as usize];
     println!(
