@@ -14,6 +14,8 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 [ "${1:-}" = --long ] && export COIF_LONG=1
 export CARGO_INCREMENTAL="${CARGO_INCREMENTAL:-0}" CARGO_TERM_COLOR=never RUST_BACKTRACE=0
+# Panics name their file and line without it.
+export CARGO_PROFILE_DEV_DEBUG="${CARGO_PROFILE_DEV_DEBUG:-0}"
 log=target/tests.log
 mkdir -p target
 : >"$log"

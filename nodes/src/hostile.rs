@@ -35,7 +35,7 @@ const FEW: &[(&str, &[(&str, f32)])] = &[
 /// Throws of several hostile values at once, for each node; in release (`tests/run.sh --long`) more than in the dev build.
 const THROWS: u64 = if cfg!(debug_assertions) { 8 } else { 60 };
 /// After so long a node is asked to stop, as people do whom much hair takes too long.
-const ASKED: Duration = Duration::from_millis(700);
+const ASKED: Duration = Duration::from_millis(300);
 /// A node that still runs then hangs; so long that a busy machine is not taken for one.
 const LONG: Duration = Duration::from_secs(60);
 /// The most that a node may make.

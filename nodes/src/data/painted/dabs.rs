@@ -84,7 +84,9 @@ impl Dabs {
         }
         let widest = dabs.pieces.iter().map(|piece| piece.reach).fold(0.0, f32::max);
         let extent = extent.max(0.0);
-        dabs.side = SIDE.max(extent / MOST).max(widest / 8.0);
+        // The line of a closed stroke has a segment in each triangle that it crosses, and reaches hardly beyond it.
+        let least = if widest < SIDE { SIDE / 8.0 } else { SIDE };
+        dabs.side = least.max(extent / MOST).max(widest / 8.0);
         loop {
             dabs.size =
                 ((highest - lowest) / dabs.side).to_array().map(|x| x.max(0.0) as usize + 1);
