@@ -59,6 +59,8 @@ pub(super) struct Dabs {
 
 /// The smallest side of a cell, cm.
 const SIDE: f32 = 0.5;
+/// Where a line has more segments than this along the side of a cell, cells are smaller.
+const CROWD: f32 = 16.0;
 /// The most cells along an axis.
 const MOST: f32 = 96.0;
 /// The most entries of all cells together; cells are enlarged to stay below it.
@@ -84,8 +86,10 @@ impl Dabs {
         }
         let widest = dabs.pieces.iter().map(|piece| piece.reach).fold(0.0, f32::max);
         let extent = extent.max(0.0);
-        // The line of a closed stroke has a segment in each triangle that it crosses, and reaches hardly beyond it.
-        let least = if widest < SIDE { SIDE / 8.0 } else { SIDE };
+        // The line of a closed stroke has a segment in each triangle that it crosses: very many in a cell where the mesh is fine.
+        let along: f32 = dabs.pieces.iter().map(|piece| piece.along.length()).sum();
+        let crowd = dabs.pieces.len() as f32 * SIDE / along.max(SIDE);
+        let least = if widest < SIDE { SIDE / (crowd / CROWD).clamp(1.0, 8.0) } else { SIDE };
         dabs.side = least.max(extent / MOST).max(widest / 8.0);
         loop {
             dabs.size =
