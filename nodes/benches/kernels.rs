@@ -32,14 +32,6 @@ impl Host for Pool {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
         (0..n).into_par_iter().with_max_len(1).for_each(f);
     }
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn find(&self, _: Key) -> Option<Kept> {
-        None
-    }
-    fn keep(&self, _: Key, _: Kept, _: usize) {}
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 /// A [`Pool`] that remembers the first thing it is given and forgets all others: of a node that plans first, the plan.
@@ -52,9 +44,6 @@ impl Host for Plans {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
         Pool.for_each(n, f);
     }
-    fn cancelled(&self) -> bool {
-        false
-    }
     fn find(&self, key: Key) -> Option<Kept> {
         let first = self.first.lock().unwrap();
         first.as_ref().filter(|(known, _)| *known == key).map(|(_, kept)| kept.clone())
@@ -62,7 +51,6 @@ impl Host for Plans {
     fn keep(&self, key: Key, value: Kept, _: usize) {
         self.first.lock().unwrap().get_or_insert((key, value));
     }
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Curves {

@@ -26,16 +26,12 @@ impl Host for Memory {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
         (0..n).for_each(f);
     }
-    fn cancelled(&self) -> bool {
-        false
-    }
     fn find(&self, key: Key) -> Option<Kept> {
         self.0.lock().unwrap().get(&key).cloned()
     }
     fn keep(&self, key: Key, value: Kept, _: usize) {
         self.0.lock().unwrap().insert(key, value);
     }
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 fn run(kind: &str, set: &[(&str, Value)], host: &dyn Host) -> Value {

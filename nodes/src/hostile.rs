@@ -12,9 +12,9 @@ use crate::data::scalp::{HeadFrame, REGION, Scalp};
 use crate::data::shapes::{ShapeList, Tier, TurnProfile};
 use crate::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use crate::define::{InputDef, NodeDef, Type, Value};
-use crate::eval::{Host, Kept, Log, PlainHost, Quality};
+use crate::eval::{Host, Log, PlainHost, Quality};
 use crate::maths::closest::{Surface, tests::sphere};
-use crate::maths::hash::{Dice, Key};
+use crate::maths::hash::Dice;
 use crate::testing::run_on;
 use glam::{Vec2, Vec3};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -51,11 +51,6 @@ impl Host for Patience {
     fn cancelled(&self) -> bool {
         self.0.elapsed() > ASKED
     }
-    fn find(&self, _: Key) -> Option<Kept> {
-        None
-    }
-    fn keep(&self, _: Key, _: Kept, _: usize) {}
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 /// A ball whose scalp is a cap of a few square centimetres.

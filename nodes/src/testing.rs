@@ -20,16 +20,12 @@ impl Host for Memory {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
         (0..n).for_each(f);
     }
-    fn cancelled(&self) -> bool {
-        false
-    }
     fn find(&self, key: Key) -> Option<Kept> {
         self.0.lock().unwrap().get(&key).cloned()
     }
     fn keep(&self, key: Key, value: Kept, _: usize) {
         self.0.lock().unwrap().insert(key, value);
     }
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 /// A host that runs pieces on threads of its own, the last first.
@@ -43,14 +39,6 @@ impl Host for Threads {
             }
         });
     }
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn find(&self, _: Key) -> Option<Kept> {
-        None
-    }
-    fn keep(&self, _: Key, _: Kept, _: usize) {}
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 /// A host that lends so much room.
@@ -63,14 +51,6 @@ impl Host for Lends {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
         PlainHost.for_each(n, f);
     }
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn find(&self, _: Key) -> Option<Kept> {
-        None
-    }
-    fn keep(&self, _: Key, _: Kept, _: usize) {}
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 /// Runs a node; unset inputs have their defaults. Gives outputs and messages.

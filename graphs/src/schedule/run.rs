@@ -367,11 +367,14 @@ struct Keys {
 
 impl Keys {
     fn new(step: &Step, inputs: &[Vec<Value>], seed: u64, quality: Quality) -> Self {
-        let key = |of: &dyn Fn(&InputDef, &Value) -> Option<Key>| {
-            node_key(step, inputs, (seed, quality), of)
-        };
-        let node = key(&|_, value| Some(value.key())).expect("a value has a key");
-        let node_untraced = key(&InputDef::key_untraced).filter(|untraced| *untraced != node);
+        let key =
+            |of: &dyn Fn(&InputDef, &Value) -> Key| node_key(step, inputs, (seed, quality), of);
+        let node = key(&|_, value| value.key());
+        let mut values = step.def.inputs.iter().zip(inputs);
+        let is_traced = values.all(|(def, of)| of.iter().all(|v| def.key_untraced(v).is_some()));
+        let untraced =
+            |def: &InputDef, value: &Value| def.key_untraced(value).unwrap_or_else(|| value.key());
+        let node_untraced = is_traced.then(|| key(&untraced)).filter(|key| *key != node);
         let mut curves = KeyBuilder::new("reads").key(node);
         for (def, values) in step.def.inputs.iter().zip(inputs) {
             if is_list(def.ty) {
@@ -388,13 +391,13 @@ fn is_list(ty: Type) -> bool {
     matches!(ty, Type::Curves | Type::Strokes | Type::Gestures)
 }
 
-/// The key of a node and its values but for lists; none where a value has none.
+/// The key of a node and its values but for lists.
 fn node_key(
     step: &Step,
     inputs: &[Vec<Value>],
     (seed, quality): (u64, Quality),
-    key_of: &dyn Fn(&InputDef, &Value) -> Option<Key>,
-) -> Option<Key> {
+    key_of: &dyn Fn(&InputDef, &Value) -> Key,
+) -> Key {
     let mut node = KeyBuilder::new(step.def.id).int(u64::from(step.def.version)).int(seed);
     if step.def.thins {
         node = node.int(quality as u64);
@@ -410,10 +413,10 @@ fn node_key(
         }
         node = node.text(def.name);
         for value in values {
-            node = node.key(key_of(def, value)?);
+            node = node.key(key_of(def, value));
         }
     }
-    Some(node.finish())
+    node.finish()
 }
 
 /// The first curves that a node reads, for every output that gives curves; none when an output gives something else or

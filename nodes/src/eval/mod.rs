@@ -94,7 +94,7 @@ fn millions(points: f64) -> String {
     format!("{:.1} million points", points / 1e6)
 }
 
-/// What the surroundings of an evaluation lend to nodes.
+/// What the surroundings of an evaluation lend to nodes. One that only runs things is not asked to stop, and has no memory.
 pub trait Host: Sync {
     /// How much a node may make.
     fn room(&self) -> Room {
@@ -103,13 +103,17 @@ pub trait Host: Sync {
     /// Runs `f(0)..f(n)`, in any order, maybe at once.
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync));
     /// Whether somebody asked to stop.
-    fn cancelled(&self) -> bool;
+    fn cancelled(&self) -> bool {
+        false
+    }
     /// What was kept under a key.
-    fn find(&self, key: Key) -> Option<Kept>;
+    fn find(&self, _key: Key) -> Option<Kept> {
+        None
+    }
     /// Offers something of so many bytes to the cache, which may keep it.
-    fn keep(&self, key: Key, value: Kept, bytes: usize);
+    fn keep(&self, _key: Key, _value: Kept, _bytes: usize) {}
     /// One more of the node's pieces of work is done, of so many.
-    fn progress(&self, done: usize, of: usize);
+    fn progress(&self, _done: usize, _of: usize) {}
 }
 
 /// One evaluation of one node.
@@ -237,14 +241,6 @@ impl Host for PlainHost {
     fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
         (0..n).for_each(f);
     }
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn find(&self, _: Key) -> Option<Kept> {
-        None
-    }
-    fn keep(&self, _: Key, _: Kept, _: usize) {}
-    fn progress(&self, _: usize, _: usize) {}
 }
 
 #[cfg(test)]

@@ -137,7 +137,6 @@ mod tests {
         fn keep(&self, key: Key, value: Kept, bytes: usize) {
             self.0.keep(key, value, bytes);
         }
-        fn progress(&self, _: usize, _: usize) {}
     }
 
     #[test]

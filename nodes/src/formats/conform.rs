@@ -568,11 +568,6 @@ pub(crate) mod tests {
             use std::sync::atomic::Ordering::Relaxed;
             self.0.fetch_update(Relaxed, Relaxed, |n| Some(n.saturating_sub(1))) == Ok(0)
         }
-        fn find(&self, _: crate::maths::hash::Key) -> Option<crate::eval::Kept> {
-            None
-        }
-        fn keep(&self, _: crate::maths::hash::Key, _: crate::eval::Kept, _: usize) {}
-        fn progress(&self, _: usize, _: usize) {}
     }
 
     /// Coils so narrow and coarse that no points of them are read alike, half in the ball.

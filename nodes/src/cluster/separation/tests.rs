@@ -3,8 +3,8 @@
 use super::*;
 use crate::data::scalp::tests::shared_ball;
 use crate::define::Value;
-use crate::eval::{Host, Kept, Log, PlainHost, Quality};
-use crate::maths::hash::{Dice, Key};
+use crate::eval::{Host, Log, PlainHost, Quality};
+use crate::maths::hash::Dice;
 use crate::maths::transcendental::sin_cos_turns;
 use crate::testing::{Memory, Threads, curves_of, run, run_on};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -224,11 +224,6 @@ fn whoever_asks_to_stop_does_not_wait_for_a_crowd() {
         fn cancelled(&self) -> bool {
             self.0.fetch_add(1, Ordering::Relaxed) > 100
         }
-        fn find(&self, _: Key) -> Option<Kept> {
-            None
-        }
-        fn keep(&self, _: Key, _: Kept, _: usize) {}
-        fn progress(&self, _: usize, _: usize) {}
     }
     let set = [
         ("curves", clump(500, 0.05, 1, Vec3::ZERO).into()),
