@@ -10,7 +10,7 @@
 use crate::document::edit::{Edit, between};
 use crate::document::graph::HEAD;
 use crate::document::{Document, Node, NodeId, Origin, Setting, Socket, groups};
-use crate::schedule::result::document_hash;
+use crate::file::document_hash;
 use crate::values;
 use coif_nodes::declared::Port;
 use std::collections::BTreeMap;
@@ -45,30 +45,7 @@ pub fn group_of(document: &Document) -> Result<&NodeId, String> {
 /// What a group means, as 32 hexadecimal digits: the nodes in it with all their values, and its ports. Not what is set on
 /// it, wired to it, or said of it.
 pub fn hash(document: &Document, group: &NodeId) -> String {
-    document_hash(&alone(document, group))
-}
-
-/// A group by itself, called `template`, with nothing set on it and nothing said of it: what is compared.
-pub fn alone(document: &Document, group: &NodeId) -> Document {
-    let mut found = Document::default();
-    let name = |id: &NodeId| -> NodeId {
-        let rest = id.as_str().strip_prefix(group.as_str()).unwrap_or_default();
-        NodeId::new(&format!("template{rest}")).unwrap_or_else(|_| id.clone())
-    };
-    if let Some(node) = document.nodes.get(group) {
-        let Node { kind, interface, .. } = Node::clone(node);
-        let bare = Node { kind, interface, ..Node::default() };
-        found.nodes.insert(name(group), bare.into());
-    }
-    for (id, node) in document.inside(group) {
-        found.nodes.insert(name(id), node.clone());
-    }
-    for (to, wires) in document.links.iter().filter(|(to, _)| to.node.is_inside(group)) {
-        let renamed =
-            |socket: &Socket| Socket { node: name(&socket.node), name: socket.name.clone() };
-        found.links.insert(renamed(to), wires.iter().map(renamed).collect());
-    }
-    found
+    document_hash(&groups::alone(document, group))
 }
 
 /// The nodes that hold instances of templates, in order.

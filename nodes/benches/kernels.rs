@@ -311,7 +311,13 @@ fn j_curl_to_about_60_points(bencher: Bencher, n: usize) {
 /// Six passes over clumped clusters: of their tips each has a dozen others nearer than they are thick.
 #[divan::bench(args = STRANDS, sample_count = 5)]
 fn k_separation_of_clumps(bencher: Bencher, n: usize) {
-    let clumped = [clusters(n), vec![("tip_clump", Value::Float(0.9))]].concat();
-    let set = [("curves", run("cluster_to_strands", &clumped, &Pool).into())];
+    let filled = run("cluster_to_strands", &clusters(n), &Pool);
+    let clump = [
+        ("curves", filled.into()),
+        ("centres", falling(CLUSTERS).into()),
+        ("attribute", "parent".into()),
+        ("levels", Value::Int(1)),
+    ];
+    let set = [("curves", run("clump", &clump, &Pool).into())];
     bencher.bench(|| run("separation", &set, &Pool));
 }

@@ -506,6 +506,10 @@ impl FieldInput {
     ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
         self.on(tuft, scalp.map(TracedScalp::for_fields))
     }
+    /// Whether it is the attribute of this name and nothing else.
+    pub fn is_attribute(&self, name: &str) -> bool {
+        matches!(&*self.field, Field::Attribute(own) if own == name)
+    }
     /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
         self.field.constant().map(|x| x.max(self.range.0).min(self.range.1) * self.unit)

@@ -103,8 +103,6 @@ fn sets(id: &str) -> Vec<(&'static str, Value)> {
         "length" => vec![("by", "length".into()), ("length", 3.0f32.into())],
         // A row's tail goes round what is below it in steps of half a centimetre.
         "braid_territory" => vec![("tail", 0.0f32.into())],
-        // The waves that hair has by itself.
-        "cluster_to_strands" => vec![("jitter", 0.0f32.into())],
         "tail" | "bun" => vec![("loose", 0.0f32.into())],
         _ => vec![],
     }

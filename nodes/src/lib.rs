@@ -184,8 +184,7 @@ mod tests {
                 "baby_hair.width_root",
                 "baby_hair.width_tip",
                 "gather.width",
-                "cluster_to_strands.width_root",
-                "cluster_to_strands.width_tip",
+                "cluster_to_strands.width",
                 "interpolate.width",
             ]
         );

@@ -125,8 +125,8 @@ fn cornrows() -> Groom {
     let edits = [
         ("fill.count", "24"),
         ("fill.points", "120"),
-        ("fill.width_root", "0.02"),
-        ("fill.width_tip", "0.015"),
+        ("fill_width.root", "0.02"),
+        ("fill_width.tip", "0.015"),
         ("partings.per_cm", "12"),
     ];
     groom("cornrows", &edits, &["braid.curves"])

@@ -575,7 +575,7 @@ fn differ(a: &LibraryEntry, b: &LibraryEntry) -> Exit {
     ending::at_once();
     // Under one name, so that they can be compared.
     let alone = |entry: &LibraryEntry| {
-        template::group_of(&entry.document).map(|group| template::alone(&entry.document, group))
+        template::group_of(&entry.document).map(|group| groups::alone(&entry.document, group))
     };
     let (Ok(from), Ok(to)) = (alone(a), alone(b)) else { return Exit::Refused };
     let lines = compare::lines(&from, &to, false);

@@ -6,7 +6,7 @@
 use super::stop::Stop;
 use crate::files::{Together, extension_of};
 use coif_graphs::document::Document;
-use coif_graphs::schedule::result::document_hash;
+use coif_graphs::file::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::formats::export::{self, About, Format, HairGroup};

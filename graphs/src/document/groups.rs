@@ -181,6 +181,29 @@ fn extent<'a>(document: &Document, nodes: impl Iterator<Item = &'a NodeId>) -> O
     Some([Point(lo.0 - 260.0, middle.1), Point(hi.0 + 260.0, middle.1), middle])
 }
 
+/// A group by itself, called `template`, with nothing set on it and nothing said of it: what is compared.
+pub fn alone(document: &Document, group: &NodeId) -> Document {
+    let mut found = Document::default();
+    let name = |id: &NodeId| -> NodeId {
+        let rest = id.as_str().strip_prefix(group.as_str()).unwrap_or_default();
+        NodeId::new(&format!("template{rest}")).unwrap_or_else(|_| id.clone())
+    };
+    if let Some(node) = document.nodes.get(group) {
+        let Node { kind, interface, .. } = Node::clone(node);
+        let bare = Node { kind, interface, ..Node::default() };
+        found.nodes.insert(name(group), bare.into());
+    }
+    for (id, node) in document.inside(group) {
+        found.nodes.insert(name(id), node.clone());
+    }
+    for (to, wires) in document.links.iter().filter(|(to, _)| to.node.is_inside(group)) {
+        let renamed =
+            |socket: &Socket| Socket { node: name(&socket.node), name: socket.name.clone() };
+        found.links.insert(renamed(to), wires.iter().map(renamed).collect());
+    }
+    found
+}
+
 /// Puts nodes into a new group: the document with it, and its id. What they took from other nodes are its inputs, what others
 /// took from them its outputs.
 ///

@@ -7,7 +7,7 @@
 //! 10 km;
 //! bends belong to a wire that is there, and a list of bends does not end in an empty one.
 //!
-//! [`document_hash`]: crate::schedule::result::document_hash
+//! [`document_hash`]: crate::file::document_hash
 
 use super::{Document, Point, Socket};
 use std::collections::BTreeMap;

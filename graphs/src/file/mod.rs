@@ -14,6 +14,7 @@ use std::fmt;
 use std::io::{self, Write as _};
 use std::path::Path;
 
+mod meaning;
 #[cfg(test)]
 pub(crate) mod merges;
 mod ports;
@@ -24,10 +25,11 @@ mod tests;
 mod upgrade;
 mod write;
 
+pub use meaning::document_hash;
 pub use ports::{TYPES as PORT_TYPES, UNITS as PORT_UNITS};
 
 /// The format that this version writes. It goes up when an older version would misread a file.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// The oldest format that is read.
 const OLDEST: u32 = 1;
@@ -100,8 +102,8 @@ pub(crate) fn read_part(text: &str) -> Result<Loaded, FileError> {
     read::read_part(text)
 }
 
-/// The format of copied nodes.
-const PART: u32 = 2;
+/// The format of copied nodes, which goes up with that of files.
+const PART: u32 = FORMAT;
 
 /// Saves a document so that a crash leaves the old file or the new one: written beside it, synced,
 /// renamed.

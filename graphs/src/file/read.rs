@@ -1,4 +1,4 @@
-//! Text to documents: the structs of formats 1 and 2, and their conversion.
+//! Text to documents: the structs of formats 1 to 3, and their conversion.
 
 use super::ports::{self, FileInterface, FileOrigin};
 use super::scan::{Scan, error_at, errors_at, scan};
@@ -277,7 +277,7 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
     refuse_conflicts(text)?;
     match parse::<FileGroom>(text) {
         Ok(groom) if (OLDEST..=FORMAT).contains(&groom.format) => convert(text, groom),
-        parsed => match upgrade::format_of(text) {
+        parsed => match format_of(text) {
             Some((format, at)) if format > FORMAT => Err(error_at(
                 text,
                 at,
@@ -286,9 +286,9 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
                 ),
             )),
             Some((format, at)) if format < OLDEST => {
-                let newer = upgrade::upgrade(text, format, upgrade::STEPS)
-                    .map_err(|reason| error_at(text, at, reason))?;
-                read_upgraded(text, &newer, format, at)
+                let message =
+                    format!("the file has format {format}, the oldest that is read is {OLDEST}");
+                Err(error_at(text, at, message))
             }
             _ => match parsed {
                 Err(err) => Err(err),
@@ -296,6 +296,16 @@ pub(super) fn read(text: &str) -> Result<Loaded, FileError> {
             },
         },
     }
+}
+
+/// The format that a file says it has, and where it says so; none when it says none that is a number.
+fn format_of(text: &str) -> Option<(u32, usize)> {
+    let at = scan(text).values.get(&FileEntry::Field("format".to_owned())).copied()?;
+    Some((number_at(text, at)?, at))
+}
+
+fn number_at(text: &str, at: usize) -> Option<u32> {
+    text[at..].split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
 }
 
 /// Reads copied nodes, or a whole groom.
@@ -310,10 +320,9 @@ pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
         let message = "these are no nodes: they begin with `(coif_nodes: 1`".to_owned();
         return Err(error_at(text, 0, message));
     };
-    let digits = text[*at..].split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
-    if digits.parse::<u32>().is_ok_and(|format| format > PART) {
+    if let Some(format) = number_at(text, *at).filter(|format| *format > PART) {
         let message = format!(
-            "the nodes have format {digits}, this version reads up to {PART}: paste them into a newer coif"
+            "the nodes have format {format}, this version reads up to {PART}: paste them into a newer coif"
         );
         return Err(error_at(text, *at, message));
     }
@@ -330,23 +339,6 @@ pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
         ..FileGroom::default()
     };
     convert(text, groom)
-}
-
-/// Reads what an upgrade made. Places in it mean nothing to the user, who has the old file.
-fn read_upgraded(old: &str, new: &str, format: u32, at: usize) -> Result<Loaded, FileError> {
-    let here = |message: String| error_at(old, at, format!("read as format {format}: {message}"));
-    let groom = parse(new).map_err(|err| here(err.message))?;
-    let mut loaded = convert(new, groom).map_err(|err| here(err.message))?;
-    for said in loaded.warnings.iter_mut().chain(&mut loaded.conflicts) {
-        *said = here(std::mem::take(&mut said.message));
-    }
-    let kept: BTreeSet<String> = loaded.document.comments.values().flatten().cloned().collect();
-    let before = scan(old);
-    let comments = before.comments.into_values().flatten().chain(before.dropped);
-    let dropped = comments.filter(|comment| !kept.contains(&comment.text));
-    let dropped = dropped.map(|comment| (comment.at, comment.text)).collect();
-    loaded.dropped_comments = errors_at(old, dropped);
-    Ok(loaded)
 }
 
 fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, FileError> {
@@ -382,6 +374,7 @@ fn refuse_conflicts(text: &str) -> Result<(), FileError> {
 /// Collects what is to be said about a file.
 struct Reader<'a> {
     text: &'a str,
+    format: u32,
     scan: Scan,
     warnings: Vec<(usize, String)>,
     /// Text that is kept as it is, comments in it too.
@@ -401,8 +394,14 @@ impl Reader<'_> {
 }
 
 fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
-    let mut reader =
-        Reader { text, scan: scan(text), warnings: vec![], raw: vec![], refused: None };
+    let mut reader = Reader {
+        text,
+        format: groom.format,
+        scan: scan(text),
+        warnings: vec![],
+        raw: vec![],
+        refused: None,
+    };
     let mut document =
         Document { title: groom.title, note: groom.note, seed: groom.seed, ..Document::default() };
     let mut links: Vec<(Socket, Vec<Socket>)> = vec![];
@@ -510,6 +509,7 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
             reader.warn(&FileEntry::Layout(id), message);
         }
     }
+    reader.upgrade(&mut document);
     reader.finish(document)
 }
 
@@ -595,6 +595,7 @@ impl Reader<'_> {
                         self.warnings.push((at, format!("{id}.{name}: {reason}")));
                     }
                 },
+                None if upgrade::is_former(self.format, def.id, name) => {}
                 None => {
                     let message =
                         format!("{id}.{name}: {} has no such input: kept as it is", def.id);
@@ -691,6 +692,19 @@ impl Reader<'_> {
             self.scan.comments.insert(place(to.clone()), lines);
         }
         to
+    }
+
+    /// Brings what an older format means to ours.
+    fn upgrade(&mut self, document: &mut Document) {
+        let upgrade::Done { moved, lost } = upgrade::upgrade(document, self.format);
+        for (place, message) in lost {
+            self.warn(&place, message);
+        }
+        for (from, to) in moved {
+            if let Some(lines) = self.scan.comments.remove(&from) {
+                self.scan.comments.entry(to).or_default().extend(lines);
+            }
+        }
     }
 
     fn finish(mut self, mut document: Document) -> Result<Loaded, FileError> {

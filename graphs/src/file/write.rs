@@ -14,13 +14,18 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 pub(super) fn write(document: &Document) -> String {
+    write_as(document, FORMAT)
+}
+
+/// The same, said to be of `format`.
+pub(super) fn write_as(document: &Document, format: u32) -> String {
     let mut out = Writer::new(document, NODES);
     for line in document.comments.get(&FileEntry::Top).into_iter().flatten() {
         out.out.push_str(line);
         out.out.push('\n');
     }
     out.out.push('(');
-    out.field("format", |out| out.text(&FORMAT.to_string()));
+    out.field("format", |out| out.text(&format.to_string()));
     out.field("title", |out| out.quoted(&document.title));
     if !document.note.is_empty() {
         out.field("note", |out| out.quoted(&document.note));

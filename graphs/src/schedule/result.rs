@@ -1,12 +1,11 @@
 //! What an evaluation gave: values, what ran, what was said, and the hash by which machines are compared.
 
 use super::files::{MOST_BYTES, read_at_most, read_by};
-use crate::document::budget::Budget;
-use crate::document::{Document, Setting};
+use crate::document::Document;
+use crate::file::document_hash;
 use coif_nodes::data::attributes::{Attribute, Column, Domain, Item, default_of};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::gestures::Replayed;
-use coif_nodes::declared::Interface;
 use coif_nodes::define::{NodeError, Value};
 use coif_nodes::eval::Message;
 use coif_nodes::maths::hash::canonical;
@@ -105,38 +104,6 @@ pub fn content_hash_until(curves: &Curves, is_cancelled: &dyn Fn() -> bool) -> O
         }
     }
     Some(hash.finalize().to_hex()[..32].to_owned())
-}
-
-/// Hash of what a document means, as 32 hexadecimal digits: moving nodes, writing notes, displaying another node and limiting what it
-/// may take changes nothing.
-pub fn document_hash(document: &Document) -> String {
-    let mut meaning = document.clone();
-    meaning.budget = Budget::default();
-    meaning.display = None;
-    meaning.layout.clear();
-    meaning.frames.clear();
-    meaning.bends.clear();
-    meaning.collapsed.clear();
-    meaning.views.clear();
-    meaning.look = None;
-    meaning.thumbnail = None;
-    meaning.comments.clear();
-    meaning.note.clear();
-    for node in meaning.nodes.values_mut() {
-        let node = Arc::make_mut(node);
-        node.note.clear();
-        node.label = None;
-        node.template = None;
-        node.interface = node.interface.map(Interface::without_words);
-        for setting in node.inputs.values_mut() {
-            if let Setting::Known(Value::Strokes(strokes)) = setting
-                && strokes.0.iter().any(|stroke| !stroke.drawn.is_empty())
-            {
-                Arc::make_mut(strokes).0.iter_mut().for_each(|stroke| stroke.drawn.clear());
-            }
-        }
-    }
-    blake3::hash(crate::file::write(&meaning).as_bytes()).to_hex()[..32].to_owned()
 }
 
 /// Hash of all that an evaluation is made from, as 32 hexadecimal digits: what the document means, the bytes of the files that it

@@ -2,7 +2,7 @@
 //!
 //! Per cluster the frame, centre, radius and roll at every strand point are worked out once; a strand is
 //! then a root, a short random walk and one multiplication a point. Guarantees: raising the density only
-//! adds strands; no strand has more than `most_points`; a strand never leaves the radius in the plane across its cluster; no point ends under the
+//! adds strands; only a twisted cluster's strands have more CVs than `points`, and then at most 255; a strand never leaves the radius in the plane across its cluster; no point ends under the
 //! skin by more than `allow_depth` (points, not the chords between them); roots lie on the scalp, on a parted one in
 //! the section of the cluster's, and so do strands as far along as the cluster itself does. Not
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
@@ -10,36 +10,31 @@
 
 use super::bias::end_on_plane;
 use super::cross_sections::{CrossSection, CrossSections, open_radius, widest_radius};
-use super::shape::ClusterShape;
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
+    ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FLATNESS, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
     ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
-use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
-use crate::data::ramp::Ramp;
 use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::Skin;
-use crate::define::{Colour, FieldInput, NodeError, node};
+use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size, TracedScalp};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::disc;
 use crate::maths::random_walk::random_walk;
 use glam::{Vec2, Vec3};
-use std::sync::Arc;
 
 node! {
     /// Fills clusters with hair: strands rooted on the scalp around each cluster's root, which run within its radius to the
     /// tip.
     ///
-    /// Density fills the cluster, twist turns its cross-section from CV to CV and makes ropes, frizz makes each strand deviate at random.
-    /// Editing a cluster rebuilds only its own strands; a higher density only adds strands.
-    "cluster_to_strands", version 1, label "Cluster to strands",
+    /// Density fills the cluster; frizz makes each strand deviate at random. Editing a cluster rebuilds only its own strands; a
+    /// higher density only adds strands. Clump, Length and Stray work on what comes out.
+    "cluster_to_strands", version 2, label "Cluster to strands",
         words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins, scales;
     inputs {
-        /// Clusters to fill. Their attributes radius, density, frizz, roll, colour and allow_depth are used where an input reads
-        /// them.
+        /// Clusters to fill. Their attributes radius, density, frizz, flatness, roll, colour and allow_depth count.
         curves: Curves;
         /// Head that holds the roots and keeps strands out of the skin. Without it, roots fill a disc across the cluster's
         /// root.
@@ -50,67 +45,24 @@ node! {
         count: i64 = 0, hard(0.0, 65536.0), soft(0.0, 2000.0), unit(Count), words("amount number");
         /// How full the cluster is, 0 to 1. Read at the root.
         density: FieldInput = Field::Attribute(DENSITY.name.to_owned()), hard(0.0, 1.0), unit(Ratio), words("fullness");
-        /// Radius of the cross-section. Vary it along the cluster for tapered locks. The radius at the root sets the place and
-        /// number of roots.
+        /// Radius of the cross-section at the cluster's CVs. At the root it sets the place and number of roots; Cross-section shapes
+        /// it along the cluster.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
-        /// Factor of the radius from root (left) to tip. Let it fall for locks that end in a point.
-        profile: Arc<Ramp> = Ramp::constant(1.0), hard(0.0, 100.0), soft(0.0, 1.0), words("taper shape lock wisp tip falloff");
-        /// Give strands the colour of their cluster.
-        inherit_colour: bool = true, words("color");
-        /// Colour of strands that do not inherit it.
-        colour: Colour = COLOUR.default, words("color");
-
-        [Shape]
-        /// Thickness of the cross-section relative to its width: 1 is round. The flat side faces the head, or follows the
-        /// cluster's own normal.
-        flatness: FieldInput = 1.0, hard(0.02, 1.0), unit(Ratio), words("ellipse elliptic oval flat ribbon section");
-        /// Turn of the flat side about the cluster.
-        flat_angle: f32 = 0.0, hard(-360.0, 360.0), soft(-90.0, 90.0), unit(Angle), words("ellipse orientation section");
-        /// Turn of the cross-section per CV, added up from the root and to the cluster's own roll. 45 makes a rope; negative turns
-        /// the other way.
-        twist: FieldInput = 0.0, hard(-3600.0, 3600.0), soft(-90.0, 90.0), unit(Angle), words("rope twirl spin roll");
-
-        [Clumping]
-        /// Wisps that strands draw together to; 0: all to the cluster's centre.
-        wisps: i64 = 0, hard(0.0, 4096.0), soft(0.0, 40.0), unit(Count), words("clumps sub clumps locks");
-        /// How far strands draw together at the root: 0 not at all, 1 to a point.
-        root_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather");
-        /// How far strands draw together at the tip: 0 not at all, 1 to a point.
-        tip_clump: f32 = 0.0, hard(0.0, 1.0), unit(Ratio), words("clumping gather taper wisp");
-
-        [Thickness]
-        /// Diameter of a hair at its root.
-        width_root: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
-        /// Diameter of a hair at its tip. Equal widths take less memory; Set width can taper at the end of the graph.
-        width_tip: f32 = 0.008, hard(0.0001, 1.0), soft(0.0005, 0.05), unit(Length), fixed(), words("thickness diameter taper");
 
         [Detail]
-        /// CVs per strand, including root and tip. Strongly twisted clusters get more, to turn at most 30 degrees per CV, up to
-        /// `most_points`.
-        points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
-        /// Limit of CVs per strand. Where twist or `points` need more, strands are coarser and a message says so. Game engines take
-        /// at most 255.
-        most_points: i64 = MOST_A_CURVE as i64, hard(2.0, 4096.0), soft(32.0, 1024.0), unit(Count), words("limit budget cvs segments");
-        /// Push CVs out of the skin, except as deep as the cluster's `allow_depth` allows.
-        push_out: bool = true, words("collide scalp intersection penetration");
-        /// Scale lengths with the size of the head. A radius from an attribute is already in true centimetres.
-        scale_with_head: bool = true;
-
-        [Randomness]
-        /// Random shortening per strand: 0 none, 0.95 down to a twentieth. Strands are cut, not scaled.
-        length_variation: f32 = 0.0, hard(0.0, 0.95), unit(Ratio), words("random vary cut taper ends");
-        /// How far each strand waves about its path, within the radius.
-        jitter: f32 = 0.0, hard(0.0, 10.0), soft(0.0, 0.5), unit(Length), words("random noise natural wave");
-        /// Share of strands that leave the cluster on their way to the tip.
-        stray: f32 = 0.0, hard(0.0, 1.0), soft(0.0, 0.2), unit(Ratio), words("flyaways loose hairs");
-        /// Largest distance of a stray tip.
-        stray_amount: f32 = 1.0, hard(0.0, 50.0), soft(0.0, 4.0), unit(Length), words("flyaways loose hairs");
+        /// Diameter of the hair. Set width tapers it.
+        width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
         /// Random deviation of strands within the cluster: 0 keeps them parallel, 1 lets them cross it in one step.
         frizz: FieldInput = Field::Attribute(FRIZZ.name.to_owned()),
-            hard(0.0, 1.0), unit(Ratio), words("noise messy flyaway random");
-        /// Spacing of random steps of frizz along the cluster. 0: one step at each of the cluster's points.
+            hard(0.0, 1.0), unit(Ratio), words("noise messy wander random");
+        /// Spacing of random steps along the cluster. 0: one step at each of the cluster's CVs.
         frizz_step: f32 = 2.0, hard(0.0, 1000.0), soft(0.5, 5.0), unit(Length), words("scale frequency");
+
+        /// CVs per strand, including root and tip. Strongly twisted clusters get more, up to 255, to turn at most 30 degrees per CV.
+        points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
+        /// Scale lengths with the size of the head. A radius from an attribute is already in true centimetres.
+        scale_with_head: bool = true;
         /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
@@ -130,8 +82,8 @@ const FEW: f32 = 8.0;
 const MANY: f32 = 16.0;
 
 /// What is said of clusters whose strands are coarser than they should be.
-pub(super) const COARSE: &str = "strands of a cluster have all the points that most_points allows, and are coarser than its twist or points \
-     ask: twist it less, or raise most_points";
+pub(super) const COARSE: &str = "strands of a cluster have as many points as they may, and are coarser than its twist asks: twist it less, \
+     or raise points";
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let unit = cx.unit();
@@ -139,10 +91,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let filler = Filler {
         roots: cx.dice(inputs.seed, "roots"),
         walk: cx.dice(inputs.seed, "frizz"),
-        push: inputs.push_out && skin.is_none_or(|skin| skin.for_hair().is_some()),
+        push: skin.is_none_or(|skin| skin.for_hair().is_some()),
         seed: inputs.seed,
         skin,
-        shape: ClusterShape::from_inputs(&inputs, cx.dice(inputs.seed, "shape")),
     };
     // How many strands a cluster of a density and radius (cm) asks for.
     let strands_in = |density: f32, radius: f32| match inputs.count {
@@ -162,36 +113,24 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         cx.check()?;
         let scalp = inputs.scalp.as_ref();
         let radius = inputs.radius.on_traced(tuft, scalp)?;
-        let (density, other) =
-            (inputs.density.on_traced(tuft, scalp)?, inputs.flatness.on_traced(tuft, scalp)?);
+        let density = inputs.density.on_traced(tuft, scalp)?;
         for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
             let density = density.at(curve, tuft.range(curve).start, 0.0);
-            let asked = super::cross_sections::CrossSectionParams {
-                points: 0,
-                most_points: 0,
-                radius: &radius,
-                profile: &inputs.profile,
-                flatness: &other,
-                flat_angle: 0.0,
-                frizz: &other,
-                frizz_step: 0.0,
-                least: least(density),
-                twist: &other,
-            };
+            let least = least(density);
             let last = (tuft.range(curve).len() - 1).max(1) as f32;
             let u = |cv: usize| cv as f32 / last;
-            let radius = open_radius(tuft, curve, &asked, u);
-            let strands = strands_in(density, radius);
+            let open = open_radius(tuft, curve, &radius, least, u);
+            let strands = strands_in(density, open);
             if (0.5..FEW).contains(&strands) {
-                let widest = widest_radius(tuft, curve, &asked, u);
+                let widest = widest_radius(tuft, curve, &radius, u);
                 let there = strands_in(density, widest);
                 if there >= MANY * strands {
                     thin += 1;
-                    example.get_or_insert([radius, strands, widest, there]);
+                    example.get_or_insert([open, strands, widest, there]);
                 }
             }
-            if strands > most.2 || radius >= most.0 && most.2 == 0.0 {
-                most = (radius, density, strands);
+            if strands > most.2 || open >= most.0 && most.2 == 0.0 {
+                most = (open, density, strands);
             }
             // What asks for more is left out.
             if strands <= MOST && strands * inputs.points as f32 <= MOST_POINTS {
@@ -199,7 +138,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
         }
     }
-    let points = inputs.points.min(inputs.most_points) as f64;
+    let points = inputs.points as f64;
     let size = match inputs.count {
         0 => Size::of(&[("strands of all clusters", all), ("points", points)]),
         count => Size::of(&[
@@ -222,7 +161,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         cx.warn(format!(
             "{thin} of {} clusters have hardly any hair, for strands are counted where a cluster is first open at its root: radius \
              {radius:.4} cm asks for {:.0} there, {widest:.4} cm where it is widest for {there:.0} (strands {}): open the root wider \
-             (radius, profile), or set count",
+             (Cross-section), or set count",
             inputs.curves.curve_count(),
             strands.round(),
             inputs.strands
@@ -239,15 +178,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let density = inputs.density.on(tuft, scalp)?.at(curve, first, 0.0);
         let sampled = super::cross_sections::CrossSectionParams {
             points: inputs.points as usize,
-            most_points: inputs.most_points as usize,
             radius: &inputs.radius.on(tuft, scalp)?,
-            profile: &inputs.profile,
-            flatness: &inputs.flatness.on(tuft, scalp)?,
-            flat_angle: inputs.flat_angle,
             frizz: &inputs.frizz.on(tuft, scalp)?,
             frizz_step: inputs.frizz_step,
             least: least(density),
-            twist: &inputs.twist.on(tuft, scalp)?,
         };
         let sections = match CrossSections::new(tuft, curve, &sampled, skin.zip(scalp)) {
             Ok(sections) => sections,
@@ -267,7 +201,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         let count = cx.thinned(wanted.round() as usize);
         let mut strands = filler.fill(id, count, &sections, piece)?;
-        inherit(&mut strands, tuft, curve, &sections, &inputs);
+        inherit(&mut strands, tuft, curve, &sections, inputs.width);
         Ok([strands.build()])
     })?;
     Ok(Outputs { curves })
@@ -280,25 +214,6 @@ struct Filler<'a> {
     push: bool,
     seed: i64,
     skin: Option<Skin<'a>>,
-    /// None where strands run as their cluster does.
-    shape: Option<ClusterShape>,
-}
-
-impl ClusterShape {
-    /// The shape that inputs ask for.
-    fn from_inputs(inputs: &Inputs, dice: Dice) -> Option<Self> {
-        let shape = ClusterShape {
-            wisps: inputs.wisps as usize,
-            root_clump: inputs.root_clump,
-            tip_clump: inputs.tip_clump,
-            shorter: inputs.length_variation,
-            jitter: inputs.jitter,
-            stray: inputs.stray,
-            stray_amount: inputs.stray_amount,
-            dice,
-        };
-        shape.changes_anything().then_some(shape)
-    }
 }
 
 impl Filler<'_> {
@@ -324,7 +239,6 @@ impl Filler<'_> {
         let wanders = !sections.steps.is_empty();
         // Two equal values before the first and after the last knot keep the walk's ends level.
         let mut walk = vec![Vec2::ZERO; sections.steps.len() + 2];
-        let wisps = self.shape.as_ref().map_or(vec![], |shape| shape.wisps(cluster));
         // So far the cluster keeps to the section of its root, and so do its strands.
         let home = scalp.and_then(|scalp| scalp.home(sections.root));
         let at_home = home.map_or(1, |home| {
@@ -335,10 +249,7 @@ impl Filler<'_> {
             let id = curve_id(cluster, self.seed as u64, i as u64);
             ids.push(id);
             let q = Vec2::from(disc(i as u32, shift));
-            let strand = self.shape.as_ref().map(|shape| shape.strand(id, q, sections, &wisps));
-            let at_root = strand.as_ref().map_or(q, |strand| strand.root(q));
-            let mut root =
-                sections.root + sections.disc[0] * at_root.x + sections.disc[1] * at_root.y;
+            let mut root = sections.root + sections.disc[0] * q.x + sections.disc[1] * q.y;
             if let (Some(skin), Some(scalp)) = (&self.skin, scalp)
                 && let Some(hit) = skin.closest(root)
             {
@@ -360,29 +271,19 @@ impl Filler<'_> {
                 }
             };
             if sinks {
-                let at = |k| strand.as_ref().map_or(k, |strand| strand.before(k));
-                depths.push(sections.at[0].depth);
-                depths.extend((1..each).map(|k| sections.at[at(k)].depth));
+                depths.extend(sections.at.iter().map(|section| section.depth));
             }
-            if let Some(strand) = strand {
-                points.extend((1..each).map(|k| {
-                    let p = strand.point(k, sections, root, walked);
-                    let depth = sections.at[strand.before(k)].depth;
-                    skin.map_or(p, |skin| lift(skin, p, -depth).0)
-                }));
-            } else {
-                points.extend(sections.at[1..].iter().map(|section| {
-                    let d = walked(section);
-                    let mut p = section.centre + section.x * d.x + section.y * d.y;
-                    if section.root_share > 0.0 {
-                        p = section.on_the_way(root - sections.root, p);
-                    }
-                    match skin {
-                        Some(skin) => lift(skin, p, -section.depth).0,
-                        None => p,
-                    }
-                }));
-            }
+            points.extend(sections.at[1..].iter().map(|section| {
+                let d = walked(section);
+                let mut p = section.centre + section.x * d.x + section.y * d.y;
+                if section.root_share > 0.0 {
+                    p = section.on_the_way(root - sections.root, p);
+                }
+                match skin {
+                    Some(skin) => lift(skin, p, -section.depth).0,
+                    None => p,
+                }
+            }));
             if let Some((tip, normal)) = sections.cut {
                 let strand = &mut points[first..];
                 end_on_plane(strand, tip, normal, sections.root_radius);
@@ -431,33 +332,26 @@ fn inherit(
     tuft: &Tuft,
     curve: usize,
     sections: &CrossSections,
-    inputs: &Inputs,
+    width: f32,
 ) {
     let count = strands.len();
-    let own = [ID.name, RADIUS.name, DENSITY.name, FRIZZ.name, WIDTH.name, COLOUR.name, CUT.name];
+    let own = [RADIUS, DENSITY, FRIZZ, FLATNESS, WIDTH].map(|own| own.name);
+    let mine = [ID.name, COLOUR.name, CUT.name];
     let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
     for attribute in tuft.attributes() {
         let name = attribute.name.as_ref();
-        if attribute.domain == Domain::Curve && !own.contains(&name) && !root.contains(&name) {
+        if attribute.domain == Domain::Curve
+            && !own.contains(&name)
+            && !mine.contains(&name)
+            && !root.contains(&name)
+        {
             let values = attribute.values.gather(&[curve as u32]);
             strands.set_column(Attribute { values, ..attribute.clone() });
         }
     }
     strands.set(PARENT, Domain::Curve, vec![tuft.id(curve)]);
-    let each = sections.at.len();
-    if inputs.width_root == inputs.width_tip {
-        strands.set(WIDTH, Domain::Curve, vec![inputs.width_root]);
-    } else {
-        let width = |k: usize| {
-            let u = k as f32 / (each - 1) as f32;
-            inputs.width_root + (inputs.width_tip - inputs.width_root) * u
-        };
-        strands.set(WIDTH, Domain::Point, (0..each).map(width).collect::<Vec<_>>().repeat(count));
-    }
-    let colours = match inputs.inherit_colour {
-        true => sections.colours(tuft, curve),
-        false => vec![inputs.colour.0],
-    };
+    strands.set(WIDTH, Domain::Curve, vec![width]);
+    let colours = sections.colours(tuft, curve);
     match colours[..] {
         [one] => strands.set(COLOUR, Domain::Curve, vec![one]),
         _ => strands.set(COLOUR, Domain::Point, colours.repeat(count)),

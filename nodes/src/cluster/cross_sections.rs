@@ -1,9 +1,8 @@
 //! Cross-sections of a cluster at the CVs of its strands, computed once for all strands.
 
-use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, NORMAL, ROLL, SCALP_NORMAL};
-use crate::data::curves::{AttributeView, Tuft};
+use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, FLATNESS, NORMAL, ROLL, SCALP_NORMAL};
+use crate::data::curves::{AttributeView, MOST_A_CURVE, Tuft};
 use crate::data::field::Sampler;
-use crate::data::ramp::Ramp;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{Frame, across, any_normal, carry, frames};
 use crate::maths::random_walk::smooth;
@@ -22,22 +21,12 @@ const MOST_STEPS: f32 = 4096.0;
 /// Settings of a cluster.
 pub(super) struct CrossSectionParams<'a> {
     pub points: usize,
-    /// Largest number of CVs per strand.
-    pub most_points: usize,
     pub radius: &'a Sampler<'a>,
-    /// Factor of the radius, root to tip.
-    pub profile: &'a Ramp,
-    /// Thickness of the cross-section relative to its width.
-    pub flatness: &'a Sampler<'a>,
-    /// Angle between the skin's normal and the thin axis, degrees.
-    pub flat_angle: f32,
     pub frizz: &'a Sampler<'a>,
     /// Spacing of frizz steps, cm; 0: one step per CV.
     pub frizz_step: f32,
     /// Smallest radius, cm, that holds a strand.
     pub least: f32,
-    /// Twist per CV after the root, degrees.
-    pub twist: &'a Sampler<'a>,
 }
 
 /// Data shared by all strands of a cluster.
@@ -48,8 +37,6 @@ pub(super) struct CrossSections {
     pub root_radius: f32,
     /// Plane in which strands end: a point, and the unit normal out of the hair.
     pub cut: Option<(Vec3, Vec3)>,
-    /// Length of the cluster, cm.
-    pub length: f32,
     /// Half axes of the disc of roots in the scalp's tangent plane, cm.
     pub disc: [Vec3; 2],
     /// One per CV of a strand; that of the root is unused.
@@ -103,15 +90,13 @@ impl CrossSections {
         let sample = |field: &Sampler, place: SplineParam, u: f32| {
             between(place, |cv| field.at(curve, cvs.start + cv, u))
         };
-        let rolls = rolls(tuft, curve, &spline, asked.twist);
+        let rolls = rolls(tuft, curve);
         let roll_at = |place: SplineParam| between(place, |cv| rolls[cv]).to_radians();
         let (us, places, coarse) = strand_points(&spline, asked, &rolls);
 
         let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
-        let radius_at = |place: SplineParam, u: f32| {
-            sample(asked.radius, place, u) * asked.profile.at(u).max(0.0)
-        };
-        let root_radius = open_radius(tuft, curve, asked, |cv| spline.u_of_cv(cv));
+        let radius_at = |place: SplineParam, u: f32| sample(asked.radius, place, u);
+        let root_radius = open_radius(tuft, curve, asked.radius, asked.least, |cv| spline.u_of_cv(cv));
         let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
         let normal = match hit {
             Some((hit, scalp)) => scalp.surface().smooth_normal(hit.triangle, hit.bary),
@@ -136,8 +121,13 @@ impl CrossSections {
             })
             .collect();
         let carried = frames(&spline, &us, Some(start), |_, _, _| None);
-        let flat = Flat::new(asked, tuft.view(NORMAL).at(curve, cvs.start), normal, &carried);
-        let thin = |place: SplineParam, u: f32| sample(asked.flatness, place, u);
+        let flatness = tuft.view(FLATNESS);
+        let flat = Flat::new(flatness, tuft.view(NORMAL).at(curve, cvs.start), normal, &carried);
+        // A flatness that is not finite counts as round.
+        let thin = |place: SplineParam| {
+            between(place, |cv| Some(flatness.at(curve, cvs.start + cv)).filter(|x| x.is_finite()).unwrap_or(1.0))
+                .clamp(0.02, 1.0)
+        };
         let at = carried
             .into_iter()
             .zip(us.iter().zip(&places))
@@ -145,7 +135,7 @@ impl CrossSections {
                 let radius = radius_at(place, u);
                 let frame = frame.rolled(roll_at(place));
                 let axes = [frame.normal * radius, frame.binormal() * radius];
-                let [x, y] = flat.pressed(axes, thin(place, u));
+                let [x, y] = flat.pressed(axes, thin(place));
                 let (knot, weights) = smooth(match asked.frizz_step {
                     step if step > 0.0 => u * spans as f32,
                     _ => place.span as f32 + place.t,
@@ -164,12 +154,12 @@ impl CrossSections {
             })
             .collect();
         let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
-        let disc = flat.pressed(disc, thin(places[0], 0.0));
+        let disc = flat.pressed(disc, thin(places[0]));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
         let sinks = matches!(depth, AttributeView::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
         let cut = tuft.view(CUT).at(curve, cvs.start).try_normalize();
         let cut = cut.map(|normal| (tuft.curve(curve)[cvs.len() - 1], normal));
-        Ok(Self { root, cut, root_radius, length, disc, at, steps, places, coarse, sinks })
+        Ok(Self { root, cut, root_radius, disc, at, steps, places, coarse, sinks })
     }
 
     /// The cluster's colour at each CV of a strand, or one colour for all.
@@ -190,36 +180,33 @@ impl CrossSections {
 pub(super) fn open_radius(
     tuft: &Tuft,
     curve: usize,
-    asked: &CrossSectionParams,
+    radius: &Sampler,
+    least: f32,
     u: impl Fn(usize) -> f32,
 ) -> f32 {
-    let open = radii(tuft, curve, asked, &u).find(|radius| *radius > asked.least);
-    open.unwrap_or_else(|| widest_radius(tuft, curve, asked, u))
+    let open = radii(tuft, curve, radius, &u).find(|radius| *radius > least);
+    open.unwrap_or_else(|| widest_radius(tuft, curve, radius, u))
 }
 
 /// The largest radius of all CVs, cm.
 pub(super) fn widest_radius(
     tuft: &Tuft,
     curve: usize,
-    asked: &CrossSectionParams,
+    radius: &Sampler,
     u: impl Fn(usize) -> f32,
 ) -> f32 {
-    radii(tuft, curve, asked, &u).fold(0.0, f32::max)
+    radii(tuft, curve, radius, &u).fold(0.0, f32::max)
 }
 
 /// The radius at each CV, cm.
 fn radii(
     tuft: &Tuft,
     curve: usize,
-    asked: &CrossSectionParams,
+    radius: &Sampler,
     u: &impl Fn(usize) -> f32,
 ) -> impl Iterator<Item = f32> {
     let cvs = tuft.range(curve);
-    (0..cvs.len()).map(move |cv| {
-        let u = u(cv);
-        let radius = asked.radius.at(curve, cvs.start + cv, u);
-        radius * asked.profile.at(u).max(0.0)
-    })
+    (0..cvs.len()).map(move |cv| radius.at(curve, cvs.start + cv, u(cv)))
 }
 
 /// The thin axis of flat cross-sections.
@@ -233,8 +220,8 @@ struct Flat {
 impl Flat {
     /// The thin axis is the curve's own normal where it has one, else the skin's normal at the place where the cluster leaves the
     /// root.
-    fn new(asked: &CrossSectionParams, own: Vec3, skin: Vec3, carried: &[Frame]) -> Self {
-        let round = asked.flatness.is_of_curves() && asked.flatness.at(0, 0, 0.0) >= 1.0;
+    fn new(flatness: AttributeView<f32>, own: Vec3, skin: Vec3, carried: &[Frame]) -> Self {
+        let round = matches!(flatness, AttributeView::Shared(flat) if flat >= 1.0);
         let (frame, wanted) = match own.try_normalize() {
             Some(own) => (carried.first(), own),
             None => (carried.get(carried.len() / 6), skin),
@@ -243,7 +230,7 @@ impl Flat {
             let wanted = across(wanted, frame.tangent).unwrap_or(frame.normal);
             atan2(wanted.dot(frame.binormal()), wanted.dot(frame.normal))
         });
-        let (sin, cos) = sin_cos(angle + asked.flat_angle.to_radians());
+        let (sin, cos) = sin_cos(angle);
         Self { thin: [cos, sin], round }
     }
     /// Half axes of a cross-section with this ratio of thickness to width.
@@ -264,31 +251,22 @@ fn between(place: SplineParam, at: impl Fn(usize) -> f32) -> f32 {
     a + (b - a) * place.t
 }
 
-/// Sum of the twist up to each CV, degrees.
-fn rolls(tuft: &Tuft, curve: usize, spline: &Spline, twist: &Sampler) -> Vec<f32> {
-    let (roll, first) = (tuft.view(ROLL), tuft.range(curve).start);
-    let mut sum = 0.0;
-    (0..tuft.range(curve).len())
-        .map(|cv| {
-            if cv > 0 {
-                sum += twist.at(curve, first + cv, spline.u_of_cv(cv));
-            }
-            // A roll that is not finite counts as 0.
-            let all = sum + roll.at(curve, first + cv);
-            if all.is_finite() { all } else { 0.0 }
-        })
-        .collect()
+/// The roll at each CV, degrees.
+fn rolls(tuft: &Tuft, curve: usize) -> Vec<f32> {
+    let (roll, cvs) = (tuft.view(ROLL), tuft.range(curve));
+    // A roll that is not finite counts as 0.
+    cvs.map(|cv| Some(roll.at(curve, cv)).filter(|roll| roll.is_finite()).unwrap_or(0.0)).collect()
 }
 
 /// Positions of a strand's CVs: evenly along the cluster, and enough that it rolls by at most [`TURN`] between two. The last
-/// value is whether that, or the requested number, exceeds the limit, which is then used.
+/// value is whether that exceeds the limit, which is then used.
 fn strand_points(
     spline: &Spline,
     asked: &CrossSectionParams,
     rolls: &[f32],
 ) -> (Vec<f32>, Vec<SplineParam>, bool) {
-    let most_points = asked.most_points.max(2);
-    let mut count = asked.points.min(most_points);
+    let most_points = asked.points.max(MOST_A_CURVE);
+    let mut count = asked.points;
     loop {
         let us: Vec<f32> = (0..count).map(|k| k as f32 / (count - 1) as f32).collect();
         let places: Vec<SplineParam> = us.iter().map(|u| spline.locate(*u)).collect();
@@ -296,7 +274,7 @@ fn strand_points(
         let most = places.windows(2).map(|w| (roll(w[1]) - roll(w[0])).abs()).fold(0.0, f32::max);
         let fine = most <= TURN * 1.001;
         if fine || count >= most_points {
-            return (us, places, !fine || asked.points > most_points);
+            return (us, places, !fine);
         }
         count = (((count - 1) as f32 * most / TURN).ceil() as usize + 1).min(most_points);
     }

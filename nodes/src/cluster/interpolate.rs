@@ -16,13 +16,12 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::patience::Patience;
-use crate::data::ramp::Ramp;
 use crate::data::route::makers::clear_noting;
 use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::smallest_rotation;
-use crate::maths::hash::{Dice, KeyBuilder, curve_id};
+use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::smoothstep;
 use crate::maths::spline::Spline;
 use glam::{Mat3, Vec3};
@@ -33,7 +32,7 @@ node! {
     ///
     /// Each hair blends the guides nearest to its root and follows the curve of the scalp. Combing a guide rebuilds only the
     /// hair around it; a higher density only adds hair.
-    "interpolate", version 1, label "Interpolate",
+    "interpolate", version 2, label "Interpolate",
         words "hair generate grow fill children between guides from curves density populate xgen description primitives fur", thins, scales;
     inputs {
         /// Guides to follow.
@@ -60,23 +59,11 @@ node! {
         /// 0: no limit.
         reach: f32 = 0.0, hard(0.0, 1000.0), soft(0.0, 10.0), unit(Length), words("distance radius"), handle(Handle::Radius);
 
-        [Clumping]
-        /// How far hair is drawn to the nearest guide.
-        clump: FieldInput = 0.0, hard(0.0, 1.0), unit(Ratio), words("gather wisp lock bunch");
-        /// Clumping from root (left) to tip.
-        clump_along: Arc<Ramp> = Ramp::smooth(0.0, 1.0), words("gather profile");
-
         [Detail]
         /// CVs per hair, including root and tip.
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
-        /// Push CVs out of the skin, except as deep as the nearest guide's `allow_depth` allows.
-        push_out: bool = true, words("collide scalp intersection penetration");
         /// Scale lengths with the head, and density inversely with its area, so the number of hairs stays.
         scale_with_head: bool = true;
-
-        [Randomness]
-        /// Random shortening per hair: 0 none, 0.95 down to a twentieth. Hair is cut, not scaled.
-        length_variation: f32 = 0.1, hard(0.0, 0.95), unit(Ratio), words("random vary cut");
         /// Random seed for this node. It changes ids too.
         seed: i64 = 0;
     }
@@ -133,8 +120,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let maker = Maker {
         inputs: &inputs,
         scalp,
-        skin: inputs.push_out.then_some(skin).and_then(Skin::for_hair),
-        dice: cx.dice(inputs.seed, "length"),
+        skin: skin.for_hair(),
     };
     let key = |i: usize| {
         let group = &plan.groups[i];
@@ -184,7 +170,6 @@ struct Maker<'a> {
     inputs: &'a Inputs,
     scalp: &'a Scalp,
     skin: Option<Skin<'a>>,
-    dice: Dice,
 }
 
 /// Inputs of the hair of one guide.
@@ -248,58 +233,28 @@ const SURE: f32 = 1e-3;
 /// Number of balls without skin kept per CV of the hair of one guide: searching them costs less than one query of the skin.
 const KNOWN: usize = 24;
 
-/// A vector padded to four lanes for vectorisation; the last lane is unused.
-type Lanes = [f32; 4];
-
-fn vector([x, y, z, _]: Lanes) -> Vec3 {
-    Vec3::new(x, y, z)
+/// How a hair that would cross a parting joins its guide: where the guide leaves the section so may the hair.
+struct Gather {
+    /// Index of the CV at which the hair has joined the guide.
+    over: usize,
+    /// Path to the guide over the scalp; `None` where it is straight.
+    way: Option<Vec<Vec3>>,
 }
 
-/// Positions at which curves of evenly spaced CVs are cut: the same for all curves with as many CVs.
-struct Cut {
-    /// For each position, the first of the four CVs that count, and their weights.
-    places: Vec<(usize, Lanes)>,
-    /// CVs of the curve to cut, extrapolated by one at each end.
-    line: Vec<Lanes>,
-}
-
-impl Cut {
-    fn new(each: usize) -> Self {
-        Self { places: vec![(0, [0.0; 4]); each], line: vec![[0.0; 4]; each + 2] }
+impl Gather {
+    /// Share of the way to the guide at a CV.
+    fn share(&self, k: usize) -> f32 {
+        smoothstep((k as f32 / self.over as f32).min(1.0))
     }
-    /// Resamples the first `share` of a curve's length: Catmull-Rom through its CVs, ends extrapolated.
-    fn shorten_to(&mut self, share: f32) {
-        let last = self.places.len() - 1;
-        for (k, (first, weights)) in self.places.iter_mut().enumerate() {
-            let x = k as f32 * share;
-            let i = (x as usize).min(last - 1);
-            let t = x - i as f32;
-            let (t2, t3) = (t * t, t * t * t);
-            *first = i;
-            *weights = [
-                t2 - 0.5 * (t3 + t),
-                1.5 * t3 - 2.5 * t2 + 1.0,
-                0.5 * t - 1.5 * t3 + 2.0 * t2,
-                0.5 * (t3 - t2),
-            ];
-        }
-    }
-    fn cut(&mut self, [xs, ys, zs]: &[Vec<f32>; 3], to: &mut [Lanes]) {
-        let n = self.line.len();
-        for (((p, x), y), z) in self.line[1..n - 1].iter_mut().zip(xs).zip(ys).zip(zs) {
-            *p = [*x, *y, *z, 0.0];
-        }
-        let beyond = |b: Lanes, c: Lanes| {
-            let p = vector(b) * 2.0 - vector(c);
-            [p.x, p.y, p.z, 0.0]
-        };
-        self.line[0] = beyond(self.line[1], self.line[2]);
-        self.line[n - 1] = beyond(self.line[n - 2], self.line[n - 3]);
-        for (to, (first, w)) in to.iter_mut().zip(&self.places) {
-            let Some([a, b, c, d]) = self.line.get(*first..first + 4) else { continue };
-            let sum = |k: usize| a[k] * w[0] + b[k] * w[1] + c[k] * w[2] + d[k] * w[3];
-            *to = [sum(0), sum(1), sum(2), sum(3)];
-        }
+    /// The place of a CV at `p` of a hair rooted at `root`, `drawn` of the way to that of its guide.
+    fn on_the_way(&self, p: Vec3, root: Vec3, guide: (Vec3, Vec3), drawn: f32) -> Vec3 {
+        let (guide_root, guide) = guide;
+        let p = p.lerp(guide, drawn);
+        let Some(way) = &self.way else { return p };
+        let x = drawn * (way.len() - 1) as f32;
+        let i = (x as usize).min(way.len() - 2);
+        let on_way = way[i].lerp(way[i + 1], x - i as f32);
+        p + (on_way - root.lerp(guide_root, drawn))
     }
 }
 
@@ -308,15 +263,7 @@ impl Maker<'_> {
     fn hair(&self, read: &Read, piece: &mut Piece) -> Result<Tuft, NodeError> {
         let each = self.inputs.points as usize;
         let Read { own, section, own_shape, hair, shape, .. } = *read;
-        let clump = self.inputs.clump.on(own, Some(self.scalp))?;
         let at_u = |k: usize| k as f32 / (each - 1) as f32;
-        let clump: Vec<f32> = (0..each)
-            .map(|k| {
-                let drawn = clump.along(own, 0, at_u(k)) * self.inputs.clump_along.at(at_u(k));
-                drawn.clamp(0.0, 1.0)
-            })
-            .collect();
-        let clumps = clump.iter().any(|c| *c > 0.0);
         let depth = own.view(ALLOW_DEPTH);
         let last = own.curve(0).len() - 1;
         let depths: Vec<f32> =
@@ -349,9 +296,6 @@ impl Maker<'_> {
         let mut ways = None;
         let mut points: Vec<Vec3> = Vec::with_capacity(read.hairs * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
-        let mut cut = Cut::new(each);
-        // The blended hair from its root, and the guide cut to its length, to which it is drawn.
-        let (mut free, mut drawn_to) = (vec![[0.0; 4]; each], vec![[0.0; 4]; each]);
         let mut asked = vec![None; each];
         let mut grown: Vec<&PlannedHair> = Vec::with_capacity(read.hairs);
         let mut ids = Vec::with_capacity(read.hairs);
@@ -365,34 +309,18 @@ impl Maker<'_> {
                 let turn = smallest_rotation(shape.normal, hair.normal) * *weight;
                 shape.add_to(&turn, &mut blended);
             }
-            cut.shorten_to(1.0 - self.inputs.length_variation * self.dice.unit(id, 0));
-            cut.cut(&blended, &mut free);
-            if clumps || home.is_some() {
-                cut.cut(&own_shape.axes, &mut drawn_to);
-            }
             let first = points.len();
-            // Path to the guide; `None` where it is straight.
-            let mut way_of = |drawn: bool| -> Option<Vec<Vec3>> {
-                let bent =
-                    home.filter(|home| drawn && !home.is_straight(hair.point, guide_root))?;
-                ways.get_or_insert_with(|| bent.ways(guide_root)).from(hair.point)
-            };
-            let mut lay = |points: &mut Vec<Vec3>, clump: &[f32], way: Option<&[Vec3]>| {
+            let mut lay = |points: &mut Vec<Vec3>, gather: Option<Gather>| {
                 points.truncate(first);
                 points.push(hair.point);
-                points.extend((1..each).map(|k| {
-                    let (mut p, drawn) = (hair.point + vector(free[k]), clump[k]);
-                    if drawn > 0.0 {
-                        p = p.lerp(guide_root + vector(drawn_to[k]), drawn);
+                let [x, y, z] = &blended;
+                points.extend((1..each).map(|k| hair.point + Vec3::new(x[k], y[k], z[k])));
+                if let Some(gather) = gather {
+                    for (k, p) in points[first..].iter_mut().enumerate().skip(1) {
+                        let drawn = gather.share(k);
+                        *p = gather.on_the_way(*p, hair.point, (guide_root, at(k)), drawn);
                     }
-                    if let Some(way) = way {
-                        let x = drawn * (way.len() - 1) as f32;
-                        let i = (x as usize).min(way.len() - 2);
-                        let on_way = way[i].lerp(way[i + 1], x - i as f32);
-                        p += on_way - hair.point.lerp(guide_root, drawn);
-                    }
-                    p
-                }));
+                }
                 if let Some(home) = home {
                     let hair_at_home = points[first..].iter_mut().enumerate().take(1 + at_home);
                     home.lead(hair_at_home.skip(1), hair.triangle, |_, _, kept| kept);
@@ -422,19 +350,16 @@ impl Maker<'_> {
                     );
                 }
             };
-            lay(&mut points, &clump, way_of(clumps).as_deref());
+            lay(&mut points, None);
             if let Some(home) = home {
                 let crosses = |points: &[Vec3]| {
                     points[first..].windows(2).take(at_home).any(|w| home.crosses(w[0], w[1]))
                 };
                 if crosses(&points) || home.passes(&points[first..]) {
-                    // Where the guide leaves the section, so may the hair, which has joined it by then.
-                    let gathered = clump.iter().enumerate().map(|(k, clump)| {
-                        let x = (k as f32 / over as f32).min(1.0);
-                        clump.max(smoothstep(x))
+                    let way = (!home.is_straight(hair.point, guide_root)).then(|| {
+                        ways.get_or_insert_with(|| home.ways(guide_root)).from(hair.point)
                     });
-                    let gathered: Vec<f32> = gathered.collect();
-                    lay(&mut points, &gathered, way_of(true).as_deref());
+                    lay(&mut points, Some(Gather { over, way: way.flatten() }));
                     if crosses(&points) || (!guide_passes && home.passes(&points[first..])) {
                         piece.trouble(
                             id,
@@ -482,6 +407,7 @@ mod tests {
     use crate::data::scalp::tests::shared_ball;
     use crate::define::Value;
     use crate::eval::{Log, Quality};
+    use crate::maths::hash::Dice;
     use crate::testing::{Memory, Threads, curves_of, run, run_on, with_points};
     use std::collections::{BTreeMap, BTreeSet};
 
@@ -518,7 +444,7 @@ mod tests {
 
     #[test]
     fn between_equal_guides_hair_is_equal_and_turns_with_the_scalp() {
-        let hair = grow(&guides(100, |_| 4.0), &[("length_variation", Value::Float(0.0))]);
+        let hair = grow(&guides(100, |_| 4.0), &[]);
         assert_eq!(hair.curve_count(), 2000);
         let scalp = shared_ball();
         for (tuft, i) in hair.each() {
@@ -531,16 +457,6 @@ mod tests {
                 assert!(p.distance(want) < 1e-4, "{p} {want}");
             }
         }
-    }
-
-    #[test]
-    fn hair_is_cut_and_not_shrunk() {
-        let hair = grow(&guides(100, |_| 4.0), &[("length_variation", Value::Float(0.5))]);
-        let lengths: Vec<f32> =
-            hair.each().map(|(t, i)| t.curve(i)[0].distance(t.curve(i)[15])).collect();
-        assert!(lengths.iter().all(|l| (1.999..4.001).contains(l)));
-        let mean = lengths.iter().sum::<f32>() / lengths.len() as f32;
-        assert!((mean - 3.0).abs() < 0.05, "{mean}");
     }
 
     #[test]
@@ -639,14 +555,24 @@ mod tests {
     #[test]
     fn what_is_known_to_be_clear_is_not_asked_about_and_comes_out_the_same() {
         // Every other guide dives into the head, so that hair is in it, beside it and far off; each point as the skin alone would
-        // have it.
+        // have it. Guides that may lie as deep as they like give hair that nothing pushed.
         let input = guides(60, |i| if i % 2 == 0 { -3.0 } else { 4.0 });
+        let deep = Curves::new(
+            input
+                .tufts()
+                .iter()
+                .map(|tuft| {
+                    let mut b = tuft.edit();
+                    b.set(ALLOW_DEPTH, Domain::Curve, vec![100.0]);
+                    Arc::new(b.build())
+                })
+                .collect(),
+        );
         let set = [("density", Value::Float(6.0)), ("by", "density".into())];
         let pushed = by_id(&grow(&input, &set));
-        let set = [&set[..], &[("push_out", false.into())]].concat();
         let (scalp, mut moved) = (shared_ball(), 0);
         let skin = scalp.skin();
-        for (id, mut points) in by_id(&grow(&input, &set)) {
+        for (id, mut points) in by_id(&grow(&deep, &set)) {
             moved +=
                 usize::from(crate::data::route::makers::clear(&skin, &mut points, |_| Some(0.0)));
             assert_eq!(points, pushed[&id]);
@@ -657,15 +583,14 @@ mod tests {
     #[test]
     fn nothing_pops_when_a_root_moves() {
         let input = guides(80, |i| 2.0 + (i % 7) as f32);
-        let set = [("length_variation", Value::Float(0.0))];
-        let mut last = by_id(&grow(&input, &set));
+        let mut last = by_id(&grow(&input, &[]));
         let mut worst = 0.0f32;
         for step in 1..=20 {
             let mut tufts = input.tufts().to_vec();
             let shift = Vec3::new(0.02, 0.0, 0.015) * step as f32;
             let all = |points: &mut [Vec3]| points.iter_mut().for_each(|p| *p += shift);
             tufts[40] = with_points(&tufts[40], all).into();
-            let now = by_id(&grow(&Curves::new(tufts), &set));
+            let now = by_id(&grow(&Curves::new(tufts), &[]));
             for (id, points) in &now {
                 for (p, q) in points.iter().zip(&last[id]) {
                     worst = worst.max(p.distance(*q));
@@ -678,15 +603,8 @@ mod tests {
     }
 
     #[test]
-    fn clumping_ends_on_the_guide_and_a_reach_leaves_bald_what_is_far() {
+    fn a_reach_leaves_bald_what_is_far() {
         let input = guides(40, |_| 4.0);
-        let set = [("clump", Value::Float(1.0)), ("length_variation", Value::Float(0.0))];
-        let tips: BTreeMap<u64, Vec3> =
-            input.each().map(|(t, i)| (t.id(i), t.curve(i)[6])).collect();
-        for (tuft, i) in grow(&input, &set).each() {
-            let tip = tips[&tuft.view(PARENT).at(i, 0)];
-            assert!(tuft.curve(i)[15].distance(tip) < 1e-4);
-        }
         let near = grow(&input, &[("by", "density".into()), ("reach", Value::Float(0.5))]);
         for (tuft, i) in near.each() {
             let guide = tuft.view(PARENT).at(i, 0);

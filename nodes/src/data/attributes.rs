@@ -221,6 +221,8 @@ declare! {
     WIDTH: f32 = "width", 0.008, cm;
     /// Rotation about the curve of what follows it, degrees, accumulated from the root.
     ROLL: f32 = "roll", 0.0, degrees;
+    /// Thickness of a cluster's cross-section relative to its width, 0.02 to 1: 1 is round.
+    FLATNESS: f32 = "flatness", 1.0;
     /// How far strands wander from their cluster, 0 to 1.
     FRIZZ: f32 = "frizz", 0.0;
     /// How densely a cluster is filled, 0 to 1.

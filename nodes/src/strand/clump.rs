@@ -101,7 +101,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let needs = |_: usize, tuft: &Tuft| match (&given, name) {
         (None, _) => vec![],
         (Some(given), "") => given.near(tuft),
-        (Some(_), _) => (0..sources.tufts().len() as u32).collect(),
+        (Some(given), _) => given.named(tuft, name),
     };
     let [curves] = cx.by_place(inputs.scalp.as_ref()).each_tuft_with(
         &inputs.curves,

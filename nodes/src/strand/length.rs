@@ -9,7 +9,7 @@ use super::shorten::{Shortened, grow_on};
 use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::route::{Policy, Route};
-use crate::define::{FieldInput, NodeError, choice, node, unless};
+use crate::define::{FieldInput, NodeError, Value as Set, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size, TracedScalp};
 use crate::maths::spline::Spline;
 use glam::Vec3;
@@ -38,8 +38,11 @@ node! {
         way: Way = Way::Cut, words("method mode trim stretch");
         /// Which hairs change.
         change: Change = Change::Any, words("limit only clamp minimum maximum");
-        /// Random shortening per hair: 0 none, 0.95 down to a twentieth. Most hairs stay close to full length.
+        /// Random shortening per hair: 0 none, 0.95 down to a twentieth.
         variation: f32 = 0.15, hard(0.0, 0.95), unit(Ratio), words("random vary uneven between");
+        /// How random lengths are distributed.
+        distribution: Distribution = Distribution::Few, words("random uniform bias spread"),
+            idle(|of| matches!(of("variation"), Some(Set::Float(0.0))).then_some("no length varies"));
         /// Scale centimetres with the size of the head.
         scale_with_head: bool = true,
             idle(|of| unless(of, "by", "length", "lengths are shares of what hair has"));
@@ -84,6 +87,16 @@ choice! {
     }
 }
 
+choice! {
+    /// How random lengths are distributed.
+    Distribution {
+        /// Most hairs stay close to full length; few are much shorter.
+        Few = "few",
+        /// Evenly, from full length to the shortest.
+        Even = "even",
+    }
+}
+
 /// Hair that would end up shorter than this, cm, is left out.
 const NOTHING: f32 = 0.01;
 /// Relative error of length up to which hair is left as it is.
@@ -110,8 +123,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let wanted = |i: usize, length: f32| {
             let asked = field.at(i, tuft.range(i).start, 0.0);
             let asked = if inputs.by == By::Share { asked * length } else { asked };
-            let cut = dice.unit(tuft.id(i), 0);
-            let asked = asked * (1.0 - inputs.variation * cut * cut);
+            let x = dice.unit(tuft.id(i), 0);
+            let cut = if inputs.distribution == Distribution::Even { x } else { x * x };
+            let asked = asked * (1.0 - inputs.variation * cut);
             match inputs.change {
                 Change::Any => asked,
                 Change::Shorten => asked.min(length),
@@ -139,10 +153,13 @@ fn relength(
     let mut changes = false;
     for i in 0..tuft.len() {
         piece.tick()?;
-        changes |= spline.rebuild(tuft.curve(i)).is_ok() && {
+        changes = spline.rebuild(tuft.curve(i)).is_ok() && {
             let length = spline.length();
             !is_right(wanted(i, length), length)
         };
+        if changes {
+            break;
+        }
     }
     if !changes {
         return Ok(tuft.clone());

@@ -35,9 +35,10 @@ fn section(scalp: Option<&Scalp>, root: Vec3) -> Option<u64> {
     scalp?.sections()?.id_at(root)
 }
 
-/// Given curves, searched by nearest root.
+/// Given curves, searched by nearest root and by id.
 pub(super) struct Given {
     tree: KdTree,
+    by_id: BTreeMap<u64, u32>,
 }
 
 /// Number of nearest curves among which one in the hair's section is searched.
@@ -45,9 +46,23 @@ const NEAR: usize = 4;
 
 impl Given {
     /// Curves, one per tuft.
-    pub(super) fn new<'a>(tufts: impl Iterator<Item = &'a Tuft>) -> Self {
+    pub(super) fn new<'a>(tufts: impl Iterator<Item = &'a Tuft> + Clone) -> Self {
         let root = |tuft: &Tuft| tuft.points().first().copied().unwrap_or(Vec3::NAN);
-        Self { tree: KdTree::new(tufts.map(root)) }
+        let mut by_id = BTreeMap::new();
+        for (n, tuft) in (0..).zip(tufts.clone()).filter(|(_, tuft)| !tuft.is_empty()) {
+            by_id.entry(tuft.id(0)).or_insert(n);
+        }
+        Self { tree: KdTree::new(tufts.map(root)), by_id }
+    }
+    /// Indices of the curves whose ids an attribute of a tuft names, in order.
+    pub(super) fn named(&self, tuft: &Tuft, name: &str) -> Vec<u32> {
+        let Some(keys) = keys(tuft, name) else { return vec![] };
+        let mut named: Vec<u32> = (0..tuft.len())
+            .filter_map(|i| self.by_id.get(&keys(i)?).copied())
+            .collect();
+        named.sort_unstable();
+        named.dedup();
+        named
     }
     /// Indices of the curves that a tuft's hair may be drawn to, in order.
     pub(super) fn near(&self, tuft: &Tuft) -> Vec<u32> {

@@ -17,7 +17,7 @@ use crate::scene::looks::{FileLooks, HeadLooks};
 use crate::scene::{self, Dressed, Show, Skin};
 use crate::words::grouped;
 use coif_graphs::document::Socket;
-use coif_graphs::schedule::result::document_hash;
+use coif_graphs::file::document_hash;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};

@@ -1,143 +1,90 @@
-//! Older formats to ours: one function for each step, on raw values.
+//! What files of older formats mean today.
 //!
-//! A step sees fields and entries as text that it moves, renames and rewrites; it does not know the
-//! structs of any format, so these need not live on. A step `v1_to_v2` is a file of this folder, an
-//! entry of [`STEPS`], and a sample of the old format in `samples/` that a test reads. Old *values*
-//! need no step: inputs have old names and nodes have versions.
+//! All formats are read by the same structs (`file/read.rs`); a step then changes the document from what one format meant to what the
+//! next does. It is a file of this folder, an entry of [`STEPS`], and a sample of the old format in `samples/` that a test reads. Old
+//! *values* need no step: inputs have old names and nodes have versions.
+//!
+//! Guarantees: the same file gives the same document, ids of new nodes included, so that branches of one groom still merge; comments
+//! go with the values that they stand before; what cannot be carried over is said with its place; a group that was as its template
+//! made it still is.
 
-use super::scan::scan;
-use crate::document::FileEntry;
-use crate::text::in_words;
-use crate::text::tokens::trimmed;
-use crate::text::values::quoted;
-use ron::value::RawValue;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
-use std::fmt;
+use crate::document::{Document, FileEntry, NodeId, Socket, groups};
+use crate::file::document_hash;
+use std::sync::Arc;
 
 #[cfg(test)]
 mod tests;
+mod v2_to_v3;
 
-/// One format to the next. The error says what of the file cannot be carried over.
-pub(super) type FormatUpgrade = fn(&mut Raw) -> Result<(), String>;
-
-/// The first format whose files are read, then a step for each later one.
-///
-/// None yet: format 1 is read as it is, for format 2 only puts more ways to say things beside its own.
-pub(super) const STEPS: (u32, &[FormatUpgrade]) = (super::OLDEST, &[]);
-
-/// A struct or a map whose values are RON text.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Raw {
-    /// Names are strings in quotes, as in a map; words otherwise, as in a struct.
-    is_map: bool,
-    /// In the order of the file.
-    pub(super) entries: Vec<(String, String)>,
+/// From one format to the next.
+struct Step {
+    /// The last format that needs it.
+    from: u32,
+    /// Whether an input that a kind of node no longer has is read by the step.
+    is_former: fn(kind: &str, input: &str) -> bool,
+    run: fn(&mut Upgrade),
 }
 
-impl Raw {
-    /// The fields of `( ... )` or the entries of `{ ... }`.
-    pub(super) fn read(text: &str) -> Result<Self, String> {
-        struct RawVisitor;
-        impl<'de> Visitor<'de> for RawVisitor {
-            type Value = Vec<(String, String)>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("fields or entries")
-            }
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Self::Value, M::Error> {
-                let mut entries = vec![];
-                while let Some(name) = map.next_key::<String>()? {
-                    let value: &RawValue = map.next_value()?;
-                    entries.push((name, trimmed(value.get_ron()).to_owned()));
-                }
-                Ok(entries)
-            }
-        }
-        struct AnyEntries(Vec<(String, String)>);
-        impl<'de> Deserialize<'de> for AnyEntries {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                deserializer.deserialize_any(RawVisitor).map(AnyEntries)
-            }
-        }
-        let options = ron::Options::default().with_recursion_limit(64);
-        let AnyEntries(entries) = options.from_str(text).map_err(|err| in_words(&err.code))?;
-        Ok(Self { is_map: trimmed(text).starts_with('{'), entries })
-    }
+/// In the order of their formats.
+const STEPS: &[Step] =
+    &[Step { from: 2, is_former: v2_to_v3::is_former, run: v2_to_v3::split_makers }];
 
-    /// As RON text again.
-    pub(super) fn write(&self) -> String {
-        let (open, close) = if self.is_map { ('{', '}') } else { ('(', ')') };
-        let mut out = String::from(open);
-        for (name, value) in &self.entries {
-            out.push('\n');
-            if self.is_map {
-                quoted(&mut out, name)
-            } else {
-                out.push_str(name)
-            }
-            out.push_str(": ");
-            out.push_str(value);
-            out.push(',');
-        }
-        out.push('\n');
-        out.push(close);
-        out
-    }
-
-    /// The text of a value.
-    pub(super) fn get_mut(&mut self, name: &str) -> Option<&mut String> {
-        self.entries.iter_mut().find(|(known, _)| known == name).map(|(_, value)| value)
-    }
-
-    /// Changes every value that is itself a struct or a map.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for steps; there are none yet"))]
-    pub(super) fn each(
-        &mut self,
-        change: impl Fn(&str, &mut Raw) -> Result<(), String>,
-    ) -> Result<(), String> {
-        for (name, value) in &mut self.entries {
-            let mut inner = Raw::read(value)?;
-            change(name, &mut inner)?;
-            *value = inner.write();
-        }
-        Ok(())
-    }
-
-    /// Gives an entry another name, in its place.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for steps; there are none yet"))]
-    pub(super) fn rename(&mut self, from: &str, to: &str) {
-        for (name, _) in self.entries.iter_mut().filter(|(name, _)| name == from) {
-            *name = to.to_owned();
-        }
-    }
+/// A document on its way to the newest format.
+pub(super) struct Upgrade<'a> {
+    document: &'a mut Document,
+    /// What steps did.
+    pub(super) done: Done,
 }
 
-/// The format that a file says it has, and where it says so; none when it says none that is a
-/// number.
-pub(super) fn format_of(text: &str) -> Option<(u32, usize)> {
-    let mut raw = Raw::read(text).ok()?;
-    let format = raw.get_mut("format")?.parse().ok()?;
-    let at = scan(text).values.get(&FileEntry::Field("format".to_owned())).copied();
-    Some((format, at.unwrap_or_default()))
+/// What steps did to a document, for its reader.
+#[derive(Default)]
+pub(super) struct Done {
+    /// Entries of the file, and where they are now.
+    pub(super) moved: Vec<(FileEntry, FileEntry)>,
+    /// Entries that could not be carried over, and why.
+    pub(super) lost: Vec<(FileEntry, String)>,
 }
 
-/// The text of a file of an older format in the newest that `steps` lead to.
-pub(super) fn upgrade(
-    text: &str,
-    format: u32,
-    (first, steps): (u32, &[FormatUpgrade]),
-) -> Result<String, String> {
-    let Some(skip) = format.checked_sub(first) else {
-        return Err(format!("the file has format {format}, the oldest that is read is {first}"));
-    };
-    let mut raw = Raw::read(text)?;
-    let mut reached = format;
-    for step in steps.iter().skip(skip as usize) {
-        step(&mut raw)
-            .map_err(|reason| format!("format {reached} to {}: {reason}", reached + 1))?;
-        reached += 1;
-        if let Some(format) = raw.get_mut("format") {
-            *format = reached.to_string();
+/// Whether a step reads an input of a kind of node which is unknown today.
+pub(super) fn is_former(format: u32, kind: &str, input: &str) -> bool {
+    STEPS.iter().any(|step| format <= step.from && (step.is_former)(kind, input))
+}
+
+/// Brings a document that was read as `format` to the newest.
+pub(super) fn upgrade(document: &mut Document, format: u32) -> Done {
+    let mut upgrade = Upgrade { document, done: Done::default() };
+    for step in STEPS.iter().filter(|step| format <= step.from) {
+        let as_made = upgrade.groups_as_made();
+        (step.run)(&mut upgrade);
+        for group in as_made {
+            upgrade.mark_as_made(&group);
         }
     }
-    Ok(raw.write())
+    upgrade.done
+}
+
+impl Upgrade<'_> {
+    /// The groups that are what their templates had.
+    fn groups_as_made(&self) -> Vec<NodeId> {
+        let marked = self.document.nodes.iter().filter(|(id, node)| {
+            let made = node.template.as_deref().filter(|_| node.is_group());
+            made.is_some_and(|origin| {
+                document_hash(&groups::alone(self.document, id)) == origin.hash
+            })
+        });
+        marked.map(|(id, _)| id.clone()).collect()
+    }
+    fn mark_as_made(&mut self, group: &NodeId) {
+        let hash = document_hash(&groups::alone(self.document, group));
+        if let Some(node) = self.document.nodes.get_mut(group)
+            && let Some(origin) = &mut Arc::make_mut(node).template
+        {
+            Arc::make_mut(origin).hash = hash;
+        }
+    }
+    /// Says that a value or wire of an input could not be carried over.
+    fn lose(&mut self, input: &Socket, why: &str) {
+        let place = FileEntry::Input(input.node.clone(), input.name.to_string());
+        self.done.lost.push((place, format!("{input}: {why}")));
+    }
 }

@@ -222,7 +222,9 @@ fn is_out(
     if !new.iter().all(|p| p.is_finite()) {
         return Err(Left::Far);
     }
-    let is_in = |k: usize| skin.distance(new[k]) < -depth(k).max(0.0) - ROUNDED;
+    let is_in = |k: usize| {
+        !skin.stands_off(new[k], 0.0) && skin.distance(new[k]) < -depth(k).max(0.0) - ROUNDED
+    };
     match !skin.is_rough() && (1..new.len()).any(|k| old.get(k) != Some(&new[k]) && is_in(k)) {
         true => Err(Left::In),
         false => Ok(()),

@@ -42,7 +42,7 @@ impl Skin<'_> {
         const AGAIN: usize = 4;
         let (mut at, mut moved) = self.lift(p, height);
         for _ in 0..AGAIN {
-            if self.distance(at) >= height {
+            if self.stands_off(at, height) || self.distance(at) >= height {
                 break;
             }
             let (next, more) = self.raise_exactly(at, height);

@@ -28,6 +28,21 @@ fn part(scalp: &Arc<Scalp>, set: &[(&str, Value)]) -> (Vec<Value>, Vec<String>) 
     (out, said)
 }
 
+/// Hair drawn to the guides that it was made from.
+fn clumped(hair: &Value, guides: &Value, scalp: &Arc<Scalp>, amount: f32) -> Value {
+    let set = [
+        ("curves", hair.clone()),
+        ("scalp", scalp.clone().into()),
+        ("centres", guides.clone()),
+        ("attribute", "parent".into()),
+        ("amount", Value::Float(amount)),
+        ("levels", Value::Int(1)),
+        ("strays", Value::Float(0.0)),
+        ("keep_length", false.into()),
+    ];
+    run(crate::by_id("clump").unwrap(), &set).0.remove(0)
+}
+
 #[test]
 fn every_pattern_cuts_the_head_into_the_sections_that_were_asked_for() {
     let check = |pattern: &str, count: i64, cells: &str, want: std::ops::RangeInclusive<usize>| {
@@ -290,15 +305,17 @@ fn hair_drawn_to_the_middle_of_its_box_crosses_no_parting() {
         ("scalp", scalp.clone().into()),
         ("density", Value::Float(30.0)),
         ("guides_per_hair", Value::Int(1)),
-        ("clump", Value::Float(1.0)),
         ("points", Value::Int(7)),
     ];
     let (hair, _) = run(crate::by_id("interpolate").unwrap(), &set);
+    let hair = [clumped(&hair[0], &out[3], &scalp, 1.0)];
     let (mut hairs, mut crossing) = (0, 0);
     for (tuft, i) in curves_of(&hair[0]).each() {
         let points = tuft.curve(i);
         let on_skin = |p: &Vec3| scalp.surface().closest(*p).unwrap().point;
-        let way: Vec<Vec3> = points.iter().map(on_skin).collect();
+        // What is in the air is held by nothing.
+        let lies = |p: &&Vec3| p.distance(on_skin(p)) < 0.24;
+        let way: Vec<Vec3> = points.iter().filter(lies).map(on_skin).collect();
         let home = sections.id_at(points[0]);
         // Where no hair grows, as behind an ear, is not another section.
         let elsewhere = |p: &Vec3| sections.id_at(*p).is_some_and(|id| Some(id) != home);
@@ -352,9 +369,9 @@ fn a_parting_that_ends_in_hair_parts_the_hair_beside_it_and_curls_keep_off_it() 
             ("guides", guides.clone().into()),
             ("scalp", scalp.clone().into()),
             ("density", Value::Float(60.0)),
-            ("clump", Value::Float(0.7)),
         ];
-        run(crate::by_id("interpolate").unwrap(), &set).0.remove(0)
+        let hair = run(crate::by_id("interpolate").unwrap(), &set).0.remove(0);
+        clumped(&hair, &guides.clone().into(), scalp, 0.7)
     };
     let curl = |hair: &Value, scalp: &Arc<Scalp>| {
         let set = [
@@ -404,11 +421,11 @@ fn hair_that_hangs_from_its_box_gathers_before_it_leaves_it() {
             ("guides", hung[0].clone()),
             ("scalp", scalp.clone().into()),
             ("density", Value::Float(20.0)),
-            ("clump", Value::Float(0.9)),
             ("points", Value::Int(40)),
         ];
         let (hair, said) = run(crate::by_id("interpolate").unwrap(), &set);
-        let hair = curves_of(&hair[0]);
+        let hair = clumped(&hair[0], &hung[0], &scalp, 0.9);
+        let hair = curves_of(&hair);
         let crossing = hair
             .each()
             .filter(|(tuft, i)| !low.contains(&tuft.view(PARENT).at(*i, 0)))
