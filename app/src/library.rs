@@ -239,7 +239,7 @@ mod tests {
     fn a_template_that_is_not_read_in_full_is_refused_with_what_would_be_left_out() {
         let text = |default: &str| {
             format!(
-                "(format: 2, nodes: {{\"g\": (kind: \"group\", template: (name: \"g\"), interface: (inputs: [\
+                "(format: 3, nodes: {{\"g\": (kind: \"group\", template: (name: \"g\"), interface: (inputs: [\
                  (name: \"a\", type: \"number\", default: {default})]))}})"
             )
         };

@@ -269,7 +269,7 @@ mod tests {
     fn a_part_is_text_that_people_can_read() {
         expect![[r#"
             (
-                coif_nodes: 2,
+                coif_nodes: 3,
                 nodes: {
                     "thin": (
                         at: (200.0, 40.0),
@@ -387,7 +387,7 @@ mod tests {
             1:1: these are no nodes: they begin with `(coif_nodes: 1`
             there are no nodes in it
             1:25: expected opening `{`
-            1:10: the file has format 9, this version reads up to 2: open it with a newer coif
+            1:10: the file has format 9, this version reads up to 3: open it with a newer coif
             1:1: these are no nodes: they begin with `(coif_nodes: 1`"#]]
         .assert_eq(
             &[

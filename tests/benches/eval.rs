@@ -45,7 +45,7 @@ fn main() {
 }
 
 const GRAPH: &str = r#"(
-    format: 1,
+    format: 3,
     title: "Bench",
     seed: 0,
     nodes: {

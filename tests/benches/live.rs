@@ -25,7 +25,7 @@ const SLIDERS: &[(&str, &str, f32, f32)] = &[
 
 /// 150 clusters that the pen combs, and the hair in them.
 const SKETCH: &str = r#"(
-    format: 1,
+    format: 3,
     nodes: {
         "head": (kind: "head"),
         "clusters": (kind: "scatter_guides", inputs: {

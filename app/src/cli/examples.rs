@@ -49,7 +49,7 @@ fn shown_by<'a>(all: &'a Document, id: &'a NodeId) -> Vec<&'a NodeId> {
 
 /// These nodes alone, as they are typed, and an output for the one that is shown.
 fn text(all: &Document, shown: &NodeId, nodes: &BTreeSet<NodeId>) -> String {
-    let mut text = "(\n    format: 2,\n    nodes: {\n".to_owned();
+    let mut text = "(\n    format: 3,\n    nodes: {\n".to_owned();
     let mut is_in = false;
     for line in TEXT.lines() {
         let Some(typed) = line.strip_prefix(INDENT) else { continue };

@@ -6,7 +6,7 @@ use crate::file::{read, write};
 use expect_test::{Expect, expect};
 
 const BASE: &str = r#"(
-    format: 2,
+    format: 3,
     title: "Rows",
     seed: 3,
     nodes: {

@@ -131,7 +131,7 @@ fn a_file_of_format_1_is_read_and_becomes_one_of_today_with_its_comments() {
 fn the_smallest_file_is_a_format() {
     expect![[r#"
         (
-            format: 2,
+            format: 3,
             title: "",
             seed: 0,
             nodes: {
@@ -154,7 +154,7 @@ fn values_are_written_each_on_its_line() {
     node.inputs.insert("strokes".into(), Setting::Known(strokes.into()));
     expect![[r#"
         (
-            format: 2,
+            format: 3,
             title: "",
             seed: 0,
             nodes: {
@@ -281,7 +281,7 @@ fn comments_that_stand_before_nothing_are_named() {
         "#]],
     );
     let text = "(\r\n    // windows\r\n    format: 1,\r\n)\r\n";
-    assert!(write(&ok(text).document).contains("\n    // windows\n    format: 2,\n"));
+    assert!(write(&ok(text).document).contains("\n    // windows\n    format: 3,\n"));
     assert!(
         ok(&format!("\u{FEFF}// bom\n{}", &FULL[FULL.find('(').unwrap()..]))
             .dropped_comments
@@ -330,7 +330,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
             "x.ron:1:13: unexpected field named `colour` in `Groom`, expected one of `format`, `title`, `note`, `seed`, `display`, `nodes`, `links`, `frames`, `bends`, `collapsed`, `views`, `look`, `budget`, `layout`, or `thumbnail` instead"
         ],
     );
-    let budget = |text: &str| format!("(\n    format: 2,\n    budget: ({text}),\n)");
+    let budget = |text: &str| format!("(\n    format: 3,\n    budget: ({text}),\n)");
     said(
         &budget("points: 0"),
         expect![
@@ -438,15 +438,15 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
         expect!["x.ron:2:1: a groom has no #![...] attributes: remove this line"],
     );
     said(
-        "(format: 3, frames: [1, 2])",
+        "(format: 4, frames: [1, 2])",
         expect![
-            "x.ron:1:10: the file has format 3, this version reads up to 2: open it with a newer coif"
+            "x.ron:1:10: the file has format 4, this version reads up to 3: open it with a newer coif"
         ],
     );
     said(
         "(\n    frames: {},\n    format: 2000000,\n)",
         expect![
-            "x.ron:3:13: the file has format 2000000, this version reads up to 2: open it with a newer coif"
+            "x.ron:3:13: the file has format 2000000, this version reads up to 3: open it with a newer coif"
         ],
     );
     let wire = "is no wire: write it as \"output to node.input\" or \"output to node.input after other.output\"";
@@ -459,7 +459,7 @@ fn what_is_wrong_with_a_file_is_said_with_line_and_column() {
     }
     assert_eq!(into("x to a").to_string(), "5:2: \"a\" is no socket: write it as \"node.name\"");
     said(
-        "(format: 2, nodes: {\"a\": (kind: \"resample\", at: (1, 2), links: {\"curves\": \"b.c\", \"guides\": []})}, \
+        "(format: 3, nodes: {\"a\": (kind: \"resample\", at: (1, 2), links: {\"curves\": \"b.c\", \"guides\": []})}, \
          links: {\"a.curves\": \"b.d\"}, layout: {\"a\": (3, 4)})",
         expect![[r#"
             1:49: layout of a: its place is said elsewhere in the file too: dropped

@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn ports_name_files_as_nodes_do() {
-        let text = r#"(format: 2, nodes: {
+        let text = r#"(format: 3, nodes: {
             "head": (kind: "head", inputs: {"mesh": "a.obj"}),
             "p": (kind: "parameters", inputs: {"scan": "b.obj"}, interface: (inputs: [
                 (name: "scan", type: "file"), (name: "mesh", type: "text", default: "no file"),

@@ -34,7 +34,7 @@ fn template(version: &str) -> Document {
 }
 fn small() -> Document {
     let plain = file::read(
-        r#"(format: 2, nodes: {
+        r#"(format: 3, nodes: {
             "head": (kind: "head"),
             "rows": (kind: "stroke_input", links: {"scalp": "head.scalp"}, inputs: {"radius": 0.7, "strokes": [
                 (points: [(2.0, 8.5, 6.0), (2.2, 9.5, 2.0), (2.0, 8.5, -3.0)])]}),
@@ -64,7 +64,7 @@ fn hair(document: &Document) -> Vec<String> {
 #[test]
 fn an_instance_gives_the_bits_of_its_nodes_pasted_plainly() {
     let made = template("1.0");
-    let head = r#"(format: 2, nodes: {"head": (kind: "head")})"#;
+    let head = r#"(format: 3, nodes: {"head": (kind: "head")})"#;
     let mut document = file::read(head).unwrap().document;
     let Added { edit, id: instance, .. } = add(&document, &made, Placement::default()).unwrap();
     edit.apply(&mut document).unwrap();
@@ -149,7 +149,7 @@ fn any_value_of_any_node_in_it_changes_its_hash() {
 
 /// An instance of version 1 with values on both ports, and what an upgrade to `change`d ports tells.
 fn upgraded(change: &dyn Fn(&mut Vec<Port>)) -> (Document, Vec<String>) {
-    let head = r#"(format: 2, nodes: {"head": (kind: "head")})"#;
+    let head = r#"(format: 3, nodes: {"head": (kind: "head")})"#;
     let mut document = file::read(head).unwrap().document;
     let Added { edit, id: row, .. } =
         add(&document, &template("1.0"), Placement::default()).unwrap();
@@ -257,7 +257,7 @@ fn a_template_is_a_groom_that_opens_by_itself() {
 #[test]
 fn an_added_template_stands_on_the_head_at_hand_gives_to_an_output_and_is_shown() {
     let made = template("1.0");
-    let head = r#"(format: 2, display: "head", nodes: {"head": (kind: "head", at: (10.0, 20.0))})"#;
+    let head = r#"(format: 3, display: "head", nodes: {"head": (kind: "head", at: (10.0, 20.0))})"#;
     let mut document = file::read(head).unwrap().document;
     let before = document.clone();
     let mut undo = vec![];
@@ -289,7 +289,7 @@ fn an_added_template_stands_on_the_head_at_hand_gives_to_an_output_and_is_shown(
 
 #[test]
 fn what_a_template_has_drawn_for_it_comes_along_empty_to_be_drawn() {
-    let text = r#"(format: 2, nodes: {
+    let text = r#"(format: 3, nodes: {
         "head": (kind: "head"),
         "rows": (kind: "stroke_input", links: {"scalp": "head.scalp"}, inputs: {"radius": 0.7, "strokes": [
             (points: [(2.0, 8.5, 6.0), (2.2, 9.5, 2.0), (2.0, 8.5, -3.0)])]}),
@@ -305,7 +305,7 @@ fn what_a_template_has_drawn_for_it_comes_along_empty_to_be_drawn() {
     })"#;
     let made = file::read(text).unwrap().document;
     assert_ne!(hair(&made), ["nothing"], "the file shows what is made of it");
-    let head = r#"(format: 2, nodes: {"head": (kind: "head"), "mine": (kind: "stroke_input", links: {"scalp": "head.scalp"}, inputs: {"seed": 1})})"#;
+    let head = r#"(format: 3, nodes: {"head": (kind: "head"), "mine": (kind: "stroke_input", links: {"scalp": "head.scalp"}, inputs: {"seed": 1})})"#;
     let mut document = file::read(head).unwrap().document;
     let mine = id("mine");
     let place = Placement { drawn: Some(&mine), ..Placement::default() };

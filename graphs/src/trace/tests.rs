@@ -113,7 +113,7 @@ fn strokes_that_made_a_hair_are_found_among_those_of_braids() {
 }
 
 /// Guides under a mask that is painted by six strokes, of which two undo each other, in a group; beside it a second lot.
-const PAINTED: &str = r#"(format: 2, nodes: {
+const PAINTED: &str = r#"(format: 3, nodes: {
     "head": (kind: "head"),
     "lot": (kind: "group",
         interface: (inputs: [(name: "scalp", type: "scalp")], outputs: [(name: "curves", type: "curves")]),

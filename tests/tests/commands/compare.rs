@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 const BASE: &str = r#"(
-    format: 2,
+    format: 3,
     title: "Rows",
     nodes: {
         "head": (kind: "head"),
@@ -118,7 +118,7 @@ fn a_merge_takes_both_and_tells_what_meets() {
 fn nothing_is_written_where_anything_is_amiss() {
     let all: &[(&str, &[_])] = &[("base.ron", &[]), ("a.ron", NINE), ("b.ron", MORE)];
     let folder = files("compare-amiss", all);
-    std::fs::write(folder.path("bad.ron"), "(format: 2, nodes: {").unwrap();
+    std::fs::write(folder.path("bad.ron"), "(format: 3, nodes: {").unwrap();
     std::fs::write(folder.path("lost.ron"), BASE.replace("8},", "8}, // kept by nobody\n"))
         .unwrap();
     let huge = std::fs::File::create(folder.path("huge.ron")).unwrap();

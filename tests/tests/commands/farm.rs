@@ -5,7 +5,7 @@ use serde_json::Value as Json;
 use std::path::Path;
 
 const GRAPH: &str = r#"(
-    format: 1,
+    format: 3,
     title: "Test",
     seed: 0,
     nodes: {

@@ -65,7 +65,7 @@ fn a_template_made_has_a_thumbnail_and_a_groom_that_takes_it_has_none() {
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
     assert!(thumbnail(&std::fs::read_to_string(&made).unwrap()).is_some());
     let mine = folder.path("mine.ron").display().to_string();
-    std::fs::write(&mine, "(format: 2, nodes: {\"head\": (kind: \"head\")})").unwrap();
+    std::fs::write(&mine, "(format: 3, nodes: {\"head\": (kind: \"head\")})").unwrap();
     let ran = run(["template", "add", &mine, &made]);
     assert_eq!(ran.code, 0, "{}", ran.err);
     let text = std::fs::read_to_string(&mine).unwrap();

@@ -21,7 +21,7 @@ const CLUSTERS: usize = 150;
 /// 150 strokes over the upper head, each straight up and out, as clusters of a chain of mapping nodes; hair
 /// between them, gathered, beside it.
 const GRAPH: &str = r#"(
-    format: 1,
+    format: 3,
     title: "What ran",
     seed: 0,
     nodes: {
@@ -95,7 +95,7 @@ fn strokes() -> Strokes {
 
 /// Rows between drawn partings, braided, with hair through them; free-hanging locks in the same sections, curled.
 const PARTED: &str = r#"(
-    format: 1,
+    format: 3,
     title: "Parting moved",
     seed: 0,
     nodes: {
@@ -454,7 +454,7 @@ fn any_graph(any: Any) -> String {
         last = format!("move{k}.curves");
     }
     format!(
-        r#"(format: 1, nodes: {{
+        r#"(format: 3, nodes: {{
             "head": (kind: "head"),
             "guides": (kind: "scatter_guides", inputs: {{"count": 60, "length": 9.0, "points": 12}}),
             "lines": (kind: "stroke_input", inputs: {{"project": "free"}}),
@@ -551,7 +551,7 @@ fn however_partings_move_under_whatever_nodes_the_hair_is_that_of_a_run_that_kee
 
 /// Clusters that gestures change, and the hair in them.
 const SKETCHED: &str = r#"(
-    format: 1,
+    format: 3,
     nodes: {
         "head": (kind: "head"),
         "clusters": (kind: "scatter_guides", inputs: {"count": 30, "length": 12.0, "radius": 1.0}),

@@ -63,7 +63,7 @@ fn anothers_version_is_looked_at_beside_ones_own_and_in_its_place() {
 fn a_groom_that_cannot_be_read_opens_no_window_beside_another() {
     let folder = Folder::new("compare-broken");
     let broken = folder.path("broken.ron");
-    std::fs::write(&broken, "(format: 2, nodes: {").expect("a file");
+    std::fs::write(&broken, "(format: 3, nodes: {").expect("a file");
     for (name, said) in [("none.ron", "no such file"), ("broken.ron", "broken.ron:1:")] {
         let other = folder.path(name).display().to_string();
         let ran = run_with(program(), ["edit", "start", "--compare", &other]);

@@ -16,7 +16,7 @@ fn graph(mesh: &str, picture: Option<&str>) -> String {
     });
     let by = picture.map_or("", |_| ", \"mask\": \"mask.mask\"");
     format!(
-        "(format: 2, nodes: {{\"head\": (kind: \"head\", inputs: {{\"mesh\": \"{mesh}\", \"fit\": \"none\"}}), {mask} \
+        "(format: 3, nodes: {{\"head\": (kind: \"head\", inputs: {{\"mesh\": \"{mesh}\", \"fit\": \"none\"}}), {mask} \
          \"guides\": (kind: \"scatter_guides\", inputs: {{\"count\": 40}}, links: {{\"scalp\": \"head.scalp\"{by}}}), \
          \"out\": (kind: \"groom_output\", links: {{\"curves\": \"guides.curves\"}})}})"
     )
@@ -236,7 +236,7 @@ fn a_hostile_pack_leaves_nothing_behind_whatever_opens_it() {
     done(&["pack", "start", "--out", &text(&good)]);
     let zip = fs::read(&good).unwrap();
     fs::write(folder.path("cut.coif"), &zip[..zip.len() / 2]).unwrap();
-    fs::write(folder.path("text.coif"), "(format: 2)").unwrap();
+    fs::write(folder.path("text.coif"), "(format: 3)").unwrap();
     let mut escapes = zip.clone();
     let name = b"start.ron";
     let found: Vec<usize> = (0..zip.len() - 9).filter(|at| zip[*at..].starts_with(name)).collect();

@@ -70,16 +70,16 @@ fn every_field_of_the_reader_is_on_the_page_and_in_the_schema_and_no_other() {
             assert!(page.contains(&format!("`{name}`")), "{name} of {text} is not on the page");
         }
     };
-    let node = |fields: &str| format!("(format: 2, nodes: {{\"a\": ({fields})}})");
+    let node = |fields: &str| format!("(format: 3, nodes: {{\"a\": ({fields})}})");
     check("(zzz: 1)", &schema);
     check(&node("zzz: 1"), def("node_group"));
     check(&node("interface: (zzz: 1)"), &def("node_group")["properties"]["interface"]);
     check(&node("interface: (inputs: [(zzz: 1)])"), def("port"));
     check(&node("template: (zzz: 1)"), &def("node_group")["properties"]["template"]);
-    check("(format: 2, frames: {\"a\": (zzz: 1)})", def("frame"));
-    check("(format: 2, views: {\"a\": (zzz: 1)})", def("view"));
-    check("(format: 2, look: (zzz: 1))", def("look"));
-    check("(format: 2, budget: (zzz: 1))", def("budget"));
+    check("(format: 3, frames: {\"a\": (zzz: 1)})", def("frame"));
+    check("(format: 3, views: {\"a\": (zzz: 1)})", def("view"));
+    check("(format: 3, look: (zzz: 1))", def("look"));
+    check("(format: 3, budget: (zzz: 1))", def("budget"));
     let strokes =
         |text: &str| node(&format!("kind: \"stroke_input\", inputs: {{\"strokes\": [{text}]}}"));
     check(&strokes("(zzz: 1)"), def("stroke"));
@@ -277,7 +277,7 @@ fn what_the_schema_allows_is_read() {
             generator.write(&mut node, &schema["$defs"][kind.as_str()], 0);
             let mut frame = String::new();
             generator.write(&mut frame, &schema["$defs"]["frame"], 0);
-            let text = format!("(format: 2, nodes: {{\"a\": {node}}}, frames: {{\"f\": {frame}}})");
+            let text = format!("(format: 3, nodes: {{\"a\": {node}}}, frames: {{\"f\": {frame}}})");
             let loaded = read(&text).unwrap_or_else(|err| panic!("{kind}: {err}\n{text}"));
             // Two points of view and the pen's own laws are told in words.
             let told = |w: &&file::FileError| !w.message.contains("gesture");
@@ -349,7 +349,7 @@ fn what_is_read_is_allowed_by_the_schema() {
         let [field, shapes] =
             [Value::from(field.clone()), Value::from(shapes.clone())].map(|v| write_value(&v));
         check(&format!(
-            "(format: 2, nodes: {{\"a\": (kind: \"stroke_input\", inputs: {{\"radius\": {field}}}), \
+            "(format: 3, nodes: {{\"a\": (kind: \"stroke_input\", inputs: {{\"radius\": {field}}}), \
              \"b\": (kind: \"shape_list_curl\", inputs: {{\"shapes\": {shapes}}})}})"
         ));
     };

@@ -249,7 +249,7 @@ fn what_both_have_is_made_once() {
 fn what_cannot_be_read_is_told_and_nothing_changes() {
     let folder = Folder::new("compare-broken");
     let broken = folder.path("broken.ron");
-    std::fs::write(&broken, "(format: 2, nodes: {").unwrap();
+    std::fs::write(&broken, "(format: 3, nodes: {").unwrap();
     for path in [folder.path("none.ron"), broken, folder.root().to_owned()] {
         let mut ui = on(cornrows(), OpenFile::default());
         let before = all(&ui);

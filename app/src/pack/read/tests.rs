@@ -10,7 +10,7 @@ use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 const GRAPH: &str =
-    r#"(format: 2, nodes: {"head": (kind: "head", inputs: {"mesh": "heads/face.obj"})})"#;
+    r#"(format: 3, nodes: {"head": (kind: "head", inputs: {"mesh": "heads/face.obj"})})"#;
 const MESH: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 /// A folder for one test.
@@ -303,16 +303,16 @@ fn a_graph_that_is_none_or_names_what_is_not_in_the_pack_is_refused() {
     {
         check("is not in the pack", &named(path));
     }
-    check("groom.ron:1:", &of("(format: 2, nodes: {"));
+    check("groom.ron:1:", &of("(format: 3, nodes: {"));
     let deep =
-        format!("(format: 2, nodes: {{{}", "\"a\": (kind: \"group\", nodes: {".repeat(10_000));
+        format!("(format: 3, nodes: {{{}", "\"a\": (kind: \"group\", nodes: {".repeat(10_000));
     check("groom.ron:1:", &of(&deep));
     let closed = format!("{deep}{}}})", "})".repeat(10_000));
     check("groom.ron:1:", &of(&closed));
     // By a port of a group, and by its default.
     let port = |set: &str, default: &str| {
         of(&format!(
-            "(format: 2, nodes: {{\"p\": (kind: \"parameters\", interface: (inputs: [(name: \"scan\", type: \"file\"{default})]), \
+            "(format: 3, nodes: {{\"p\": (kind: \"parameters\", interface: (inputs: [(name: \"scan\", type: \"file\"{default})]), \
              inputs: {{{set}}})}})"
         ))
     };

@@ -400,7 +400,7 @@ mod tests {
         assert_eq!(all.len(), coif_nodes::all().count());
         assert_eq!(all[..scalp.len()].len(), scalp.len());
         // What follows the node in this groom comes first.
-        assert_eq!(labels(Link::From(socket("fill.curves")), true)[0], "Hair colour");
+        assert_eq!(labels(Link::From(socket("fill.curves")), true)[0], "Set width");
     }
 
     #[test]

@@ -126,7 +126,7 @@ fn wires_are_cut_by_a_line() {
     let mut w = window(document("cornrows"));
     let at = place(&w, "hair in the braids: curves output") + vec2(20.0, 0.0);
     drag(&mut w, &[at - vec2(0.0, 60.0), at + vec2(0.0, 40.0)], CTRL);
-    assert_eq!(wired(&w, "colour.curves"), Vec::<String>::new());
+    assert_eq!(wired(&w, "fill_width.curves"), Vec::<String>::new());
     assert_eq!(wired(&w, "fill.curves"), ["braid.curves"]);
     assert!(w.state().state.selection.nodes.is_empty());
     steps(&w, 1);
@@ -179,14 +179,14 @@ fn a_loose_node_dropped_on_a_wire_is_inserted() {
     assert!(w.state().canvas.memory.drop_on.is_some(), "the wire is marked");
     release(&mut w, to, Modifiers::ALT);
     assert_eq!(wired(&w, "thin.curves"), ["fill.curves"]);
-    assert_eq!(wired(&w, "colour.curves"), ["thin.curves"]);
+    assert_eq!(wired(&w, "fill_width.curves"), ["thin.curves"]);
     steps(&w, 1);
     // And removed again, the wire heals.
     let desk = w.state_mut();
     for event in desk.canvas.delete(&desk.state) {
         desk.apply(event);
     }
-    assert_eq!(wired(&w, "colour.curves"), ["fill.curves"]);
+    assert_eq!(wired(&w, "fill_width.curves"), ["fill.curves"]);
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn shaking_a_node_takes_it_out() {
     }
     drag(&mut w, &way, Modifiers::NONE);
     assert_eq!(wired(&w, "fill.curves"), Vec::<String>::new());
-    assert_eq!(wired(&w, "colour.curves"), ["braid.curves"], "the wire heals");
+    assert_eq!(wired(&w, "fill_width.curves"), ["braid.curves"], "the wire heals");
 }
 
 #[test]
@@ -327,12 +327,12 @@ fn a_box_with_shift_selects_wires() {
     let at = place(&w, "hair in the braids: curves output") + vec2(20.0, 0.0);
     drag(&mut w, &[at - vec2(8.0, 70.0), at + vec2(8.0, 30.0)], SHIFT);
     let wires: Vec<&Wire> = w.state().canvas.memory.wires.iter().collect();
-    assert_eq!(wires, [&Wire { to: socket("colour.curves"), at: 0 }]);
+    assert_eq!(wires, [&Wire { to: socket("fill_width.curves"), at: 0 }]);
     let desk = w.state_mut();
     for event in desk.canvas.delete(&desk.state) {
         desk.apply(event);
     }
-    assert_eq!(wired(&w, "colour.curves"), Vec::<String>::new());
+    assert_eq!(wired(&w, "fill_width.curves"), Vec::<String>::new());
 }
 
 #[test]

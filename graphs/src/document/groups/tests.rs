@@ -28,7 +28,7 @@ fn read(text: &str) -> Document {
 }
 fn braids() -> Document {
     read(
-        r#"(format: 2, nodes: {
+        r#"(format: 3, nodes: {
             "head": (kind: "head", at: (0, 0)),
             "rows": (kind: "stroke_input", at: (300, 0), links: {"scalp": "head.scalp"}, inputs: {"radius": 0.7}),
             "thin": (kind: "resample", at: (600, 0), links: {"curves": "rows.curves"}, inputs: {"count": 9}),
@@ -336,24 +336,24 @@ fn what_is_wrong_with_groups_is_said_with_what_to_do() {
         assert_eq!(found.join("\n"), says);
     }
     check(
-        r#"(format: 2, nodes: {"a/b": (kind: "head")})"#,
+        r#"(format: 3, nodes: {"a/b": (kind: "head")})"#,
         "a/b: it is in a, and there is no such node; add the group, or remove this node",
     );
     check(
-        r#"(format: 2, nodes: {"in": (kind: "group_input")})"#,
+        r#"(format: 3, nodes: {"in": (kind: "group_input")})"#,
         "in: a group_input stands in a group, and this is in none; remove it",
     );
     check(
-        r#"(format: 2, nodes: {"a": (kind: "group", interface: (outputs: [(name: "x", type: "curves")]))})"#,
+        r#"(format: 3, nodes: {"a": (kind: "group", interface: (outputs: [(name: "x", type: "curves")]))})"#,
         "a: nothing in it says what it gives; add a group_output in it and wire its outputs",
     );
     check(
-        r#"(format: 2, nodes: {"h": (kind: "head"), "a": (kind: "group", nodes: {"s": (kind: "stroke_input")})},
+        r#"(format: 3, nodes: {"h": (kind: "head"), "a": (kind: "group", nodes: {"s": (kind: "stroke_input")})},
             links: {"a/s.scalp": "h.scalp"})"#,
         "a/s.scalp: a wire from h.scalp crosses the border of a group; give the group an input or an output, and wire these",
     );
     check(
-        r#"(format: 2, nodes: {"a": (kind: "group", interface: (inputs: [(name: "x", type: "curves")],
+        r#"(format: 3, nodes: {"a": (kind: "group", interface: (inputs: [(name: "x", type: "curves")],
             outputs: [(name: "y", type: "curves")]), links: {"x": "a.y"}, nodes: {
             "in": (kind: "group_input"), "out": (kind: "group_output", links: {"y": "in.x"})})})"#,
         "a: wires run in a circle: a -> a; remove one of these wires",
@@ -365,7 +365,7 @@ fn groups_that_are_an_attack_are_refused_and_nothing_is_lost_in_silence() {
     // 10,000 groups within each other: the reader says where, and stays.
     let deep = |n: usize| {
         let open = "\"a\": (kind: \"group\", nodes: {".repeat(n);
-        format!("(format: 2, nodes: {{{open}{}}})", "})".repeat(n))
+        format!("(format: 3, nodes: {{{open}{}}})", "})".repeat(n))
     };
     let err = file::read(&deep(10_000)).unwrap_err();
     assert!(err.message.contains("nested too deeply"), "{err}");
@@ -383,7 +383,7 @@ fn groups_that_are_an_attack_are_refused_and_nothing_is_lost_in_silence() {
             )
         })
         .collect();
-    let text = format!("(format: 2, nodes: {{\"h\": (kind: \"head\"), {steps}}})");
+    let text = format!("(format: 3, nodes: {{\"h\": (kind: \"head\"), {steps}}})");
     let document = file::read(&text).unwrap().document;
     let files = DiskFiles::default();
     let targets = [socket("p59.scalp")];
@@ -393,7 +393,7 @@ fn groups_that_are_an_attack_are_refused_and_nothing_is_lost_in_silence() {
         "p13: 16384 wires lead to scalp: merge some before"
     );
     // Ports that cannot be are dropped with a word each.
-    let text = r#"(format: 2, nodes: {"a": (kind: "group", interface: (inputs: [
+    let text = r#"(format: 3, nodes: {"a": (kind: "group", interface: (inputs: [
         (name: "x", type: "number", default: "much", range: (2, 1)), (name: "x", type: "curves")]))})"#;
     let said: Vec<String> =
         file::read(text).unwrap().warnings.into_iter().map(|said| said.message).collect();

@@ -50,6 +50,8 @@ const WIDTH: f32 = 0.008;
 /// CVs of its strands, and the most that they could have.
 const POINTS: f32 = 16.0;
 const MOST_POINTS: f32 = 255.0;
+/// Nodes that need a head only for masks, of which they are given none.
+const WITHOUT_HEAD: [&str; 2] = ["set_colour", "set_width"];
 /// Distance from node to node on the canvas.
 const PITCH: f32 = 220.0;
 
@@ -209,7 +211,9 @@ impl<'u, 'd> Chain<'u, 'd> {
         let bypass = document.node(maker.as_str()).is_some_and(|node| node.bypass);
         let node = Node { kind: kind.to_owned(), bypass, ..Node::default() };
         document.nodes.insert(id.clone(), Arc::new(node));
-        self.copy("scalp", &id, "scalp");
+        if !WITHOUT_HEAD.contains(&kind) {
+            self.copy("scalp", &id, "scalp");
+        }
         id
     }
 

@@ -63,10 +63,16 @@ impl Hand {
         let inputs = [
             ("by", Value::Text("count".into())),
             ("count", Value::Int(count)),
-            ("clump", Value::Float(0.15)),
-            ("length_variation", Value::Float(0.4)),
             ("points", Value::Int(16)),
             ("seed", Value::Int(5)),
+        ];
+        let ends = [("variation", Value::Float(0.4)), ("distribution", Value::Text("even".into()))];
+        let clump = [
+            ("amount", Value::Float(0.15)),
+            ("attribute", Value::Text("parent".into())),
+            ("levels", Value::Int(1)),
+            ("strays", Value::Float(0.0)),
+            ("keep_length", Value::Bool(false)),
         ];
         let add =
             |name: &str, node, x, y| Edit::AddNode { id: id(name), node, at: Some(Point(x, y)) };
@@ -77,11 +83,18 @@ impl Hand {
         };
         let edits = vec![
             add("between", node("interpolate", &inputs), 520.0, 140.0),
-            add("all", node("merge", &[]), 650.0, 0.0),
+            add("ends", node("length", &ends), 740.0, 140.0),
+            add("drawn", node("clump", &clump), 960.0, 140.0),
+            add("all", node("merge", &[]), 1180.0, 0.0),
             wire(("hair_sketch", "curves"), ("between", "guides"), None),
             wire(("head", "scalp"), ("between", "scalp"), None),
-            wire(("strands", "curves"), ("all", "curves"), None),
-            wire(("between", "curves"), ("all", "curves"), Some(1)),
+            wire(("between", "curves"), ("ends", "curves"), None),
+            wire(("head", "scalp"), ("ends", "scalp"), None),
+            wire(("ends", "curves"), ("drawn", "curves"), None),
+            wire(("hair_sketch", "curves"), ("drawn", "centres"), None),
+            wire(("head", "scalp"), ("drawn", "scalp"), None),
+            wire(("strands_width", "curves"), ("all", "curves"), None),
+            wire(("drawn", "curves"), ("all", "curves"), Some(1)),
             Edit::SetWires {
                 to: Socket::new(id("colour"), "curves"),
                 from: vec![Socket::new(id("all"), "curves")],
@@ -210,7 +223,7 @@ impl Hand {
     /// How wide locks are along their way.
     fn profile(&mut self, stops: &[(f32, f32)]) {
         let ramp = Ramp::new(Blend::Smooth, stops.to_vec()).expect("a ramp");
-        self.set("strands", "profile", Value::Ramp(Arc::new(ramp)));
+        self.set("strands_section", "profile", Value::Ramp(Arc::new(ramp)));
     }
 
     /// The tips of all curves.
@@ -262,8 +275,8 @@ fn at(side: f32, up: f32, far: f32) -> Vec3 {
 fn bob() -> (Document, f64) {
     let mut hand = Hand::begin([66, 40, 28]);
     hand.set("hair_sketch", "radius", Value::Float(2.2));
-    hand.set("strands", "flatness", Value::Float(0.55));
-    hand.set("strands", "tip_clump", Value::Float(0.1));
+    hand.set("strands_section", "flatness", Value::Float(0.55));
+    hand.set("strands_clump", "amount", Value::Float(0.1));
     hand.profile(&[(0.0, 0.75), (0.25, 1.0), (0.8, 0.9), (1.0, 0.6)]);
     // Where it falls to: by the chin, a little inwards.
     let ends = |side: f32, out: f32| {
@@ -319,7 +332,7 @@ fn bob() -> (Document, f64) {
 fn ponytail() -> (Document, f64) {
     let mut hand = Hand::begin([46, 28, 20]);
     hand.set("hair_sketch", "radius", Value::Float(1.8));
-    hand.set("strands", "flatness", Value::Float(0.35));
+    hand.set("strands_section", "flatness", Value::Float(0.35));
     hand.profile(&[(0.0, 0.6), (0.15, 1.0), (0.45, 0.55), (0.7, 0.9), (1.0, 0.25)]);
     let tie = at(180.0, 30.0, 9.6);
     // From each side to behind the ear, seen from there; the rest of the way seen from the back.
