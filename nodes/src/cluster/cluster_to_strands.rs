@@ -11,8 +11,8 @@
 use super::bias::end_on_plane;
 use super::cross_sections::{CrossSection, CrossSections, open_radius, widest_radius};
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FLATNESS, FRIZZ, ID, PARENT, RADIUS, ROOT_BARY,
-    ROOT_TRIANGLE, ROOT_UV, WIDTH,
+    ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FLATNESS, FRIZZ, ID, PARENT, RADIUS,
+    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
@@ -49,8 +49,6 @@ node! {
         /// it along the cluster.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
-
-        [Detail]
         /// Diameter of the hair. Set width tapers it.
         width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
         /// Random deviation of strands within the cluster: 0 keeps them parallel, 1 lets them cross it in one step.
@@ -59,6 +57,7 @@ node! {
         /// Spacing of random steps along the cluster. 0: one step at each of the cluster's CVs.
         frizz_step: f32 = 2.0, hard(0.0, 1000.0), soft(0.5, 5.0), unit(Length), words("scale frequency");
 
+        [Detail]
         /// CVs per strand, including root and tip. Strongly twisted clusters get more, up to 255, to turn at most 30 degrees per CV.
         points: i64 = 16, hard(2.0, 1024.0), soft(4.0, 64.0), unit(Count), words("cvs segments resolution");
         /// Scale lengths with the size of the head. A radius from an attribute is already in true centimetres.

@@ -45,7 +45,8 @@ node! {
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let keeps_radius = inputs.radius.is_attribute(RADIUS.name) && inputs.profile.stops().iter().all(|(_, factor)| *factor == 1.0);
+    let keeps_radius = inputs.radius.is_attribute(RADIUS.name)
+        && inputs.profile.stops().iter().all(|(_, factor)| *factor == 1.0);
     let keeps_flatness = inputs.flatness.is_attribute(FLATNESS.name);
     let keeps_roll = inputs.turn == 0.0 && inputs.twist.constant() == Some(0.0);
     let placed = cx.by_place(inputs.scalp.as_ref());
@@ -61,7 +62,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             out.set(RADIUS, Domain::Point, values);
         }
         if !keeps_flatness {
-            out.set(FLATNESS, Domain::Point, per_cv(tuft, piece, |i, cv, u| flatness.at(i, cv, u))?);
+            out.set(
+                FLATNESS,
+                Domain::Point,
+                per_cv(tuft, piece, |i, cv, u| flatness.at(i, cv, u))?,
+            );
         }
         if !keeps_roll {
             out.set(ROLL, Domain::Point, rolls(tuft, inputs.turn, &twist, piece)?);

@@ -96,7 +96,8 @@ impl CrossSections {
 
         let (root, tangent) = (tuft.curve(curve)[0], spline.tangent(places[0]));
         let radius_at = |place: SplineParam, u: f32| sample(asked.radius, place, u);
-        let root_radius = open_radius(tuft, curve, asked.radius, asked.least, |cv| spline.u_of_cv(cv));
+        let root_radius =
+            open_radius(tuft, curve, asked.radius, asked.least, |cv| spline.u_of_cv(cv));
         let hit = head.and_then(|(skin, scalp)| Some((skin.closest(root)?, scalp)));
         let normal = match hit {
             Some((hit, scalp)) => scalp.surface().smooth_normal(hit.triangle, hit.bary),
@@ -125,8 +126,10 @@ impl CrossSections {
         let flat = Flat::new(flatness, tuft.view(NORMAL).at(curve, cvs.start), normal, &carried);
         // A flatness that is not finite counts as round.
         let thin = |place: SplineParam| {
-            between(place, |cv| Some(flatness.at(curve, cvs.start + cv)).filter(|x| x.is_finite()).unwrap_or(1.0))
-                .clamp(0.02, 1.0)
+            between(place, |cv| {
+                Some(flatness.at(curve, cvs.start + cv)).filter(|x| x.is_finite()).unwrap_or(1.0)
+            })
+            .clamp(0.02, 1.0)
         };
         let at = carried
             .into_iter()

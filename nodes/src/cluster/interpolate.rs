@@ -117,11 +117,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
     }
     let skin = cx.skin(scalp);
-    let maker = Maker {
-        inputs: &inputs,
-        scalp,
-        skin: skin.for_hair(),
-    };
+    let maker = Maker { inputs: &inputs, scalp, skin: skin.for_hair() };
     let key = |i: usize| {
         let group = &plan.groups[i];
         let key = KeyBuilder::new("hair").key(group.key);

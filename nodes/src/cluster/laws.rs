@@ -50,7 +50,8 @@ fn fill(curves: &Curves, set: &[(&str, Value)]) -> Curves {
 
 /// Clusters whose cross-sections are shaped.
 fn shaped(curves: &Curves, set: &[(&str, Value)]) -> Curves {
-    let (out, said) = run(&cross_section::NODE, &[&[("curves", curves.clone().into())], set].concat());
+    let (out, said) =
+        run(&cross_section::NODE, &[&[("curves", curves.clone().into())], set].concat());
     assert!(said.is_empty(), "{said:?}");
     curves_of(&out[0]).clone()
 }

@@ -14,3 +14,15 @@ mod separation;
 
 pub(crate) const NODES: &[&NodeDef] =
     &[&cross_section::NODE, &cluster_to_strands::NODE, &interpolate::NODE, &separation::NODE];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn makers_take_only_what_making_needs() {
+        for maker in [&cluster_to_strands::NODE, &interpolate::NODE] {
+            assert!(maker.inputs.len() <= 12, "{}: {} inputs", maker.id, maker.inputs.len());
+        }
+    }
+}

@@ -227,8 +227,17 @@ fn is_in_cm(field: &Field) -> bool {
 
 fn declared_number(name: &str) -> Option<f32> {
     use super::attributes as a;
-    let numbers: [Declared<f32>; 9] =
-        [a::RADIUS, a::WIDTH, a::ROLL, a::FLATNESS, a::FRIZZ, a::DENSITY, a::ALLOW_DEPTH, a::PHASE, a::FIBRE];
+    let numbers: [Declared<f32>; 9] = [
+        a::RADIUS,
+        a::WIDTH,
+        a::ROLL,
+        a::FLATNESS,
+        a::FRIZZ,
+        a::DENSITY,
+        a::ALLOW_DEPTH,
+        a::PHASE,
+        a::FIBRE,
+    ];
     numbers.iter().find(|d| d.name == name).map(|d| d.default)
 }
 

@@ -57,9 +57,8 @@ impl Given {
     /// Indices of the curves whose ids an attribute of a tuft names, in order.
     pub(super) fn named(&self, tuft: &Tuft, name: &str) -> Vec<u32> {
         let Some(keys) = keys(tuft, name) else { return vec![] };
-        let mut named: Vec<u32> = (0..tuft.len())
-            .filter_map(|i| self.by_id.get(&keys(i)?).copied())
-            .collect();
+        let mut named: Vec<u32> =
+            (0..tuft.len()).filter_map(|i| self.by_id.get(&keys(i)?).copied()).collect();
         named.sort_unstable();
         named.dedup();
         named

@@ -193,7 +193,7 @@ fn a_slider_that_is_dragged_runs_only_what_hangs_from_it_and_is_one_step() {
         .filter(|(_, report)| !report.cached && report.tufts_run > 0)
         .map(|(id, _)| id.as_str())
         .collect();
-    assert_eq!(ran, ["colour", "fill"], "and what only passes hair on");
+    assert_eq!(ran, ["colour", "fill", "fill_width"], "and what only passes hair on");
     ui.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut ui);
     assert_eq!(ui.state().state.document, before);

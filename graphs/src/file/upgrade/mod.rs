@@ -22,7 +22,7 @@ struct Step {
     from: u32,
     /// Whether an input that a kind of node no longer has is read by the step.
     is_former: fn(kind: &str, input: &str) -> bool,
-    run: fn(&mut Upgrade),
+    run: fn(&mut FormatUpgrade),
 }
 
 /// In the order of their formats.
@@ -30,7 +30,7 @@ const STEPS: &[Step] =
     &[Step { from: 2, is_former: v2_to_v3::is_former, run: v2_to_v3::split_makers }];
 
 /// A document on its way to the newest format.
-pub(super) struct Upgrade<'a> {
+pub(super) struct FormatUpgrade<'a> {
     document: &'a mut Document,
     /// What steps did.
     pub(super) done: Done,
@@ -52,7 +52,7 @@ pub(super) fn is_former(format: u32, kind: &str, input: &str) -> bool {
 
 /// Brings a document that was read as `format` to the newest.
 pub(super) fn upgrade(document: &mut Document, format: u32) -> Done {
-    let mut upgrade = Upgrade { document, done: Done::default() };
+    let mut upgrade = FormatUpgrade { document, done: Done::default() };
     for step in STEPS.iter().filter(|step| format <= step.from) {
         let as_made = upgrade.groups_as_made();
         (step.run)(&mut upgrade);
@@ -63,7 +63,7 @@ pub(super) fn upgrade(document: &mut Document, format: u32) -> Done {
     upgrade.done
 }
 
-impl Upgrade<'_> {
+impl FormatUpgrade<'_> {
     /// The groups that are what their templates had.
     fn groups_as_made(&self) -> Vec<NodeId> {
         let marked = self.document.nodes.iter().filter(|(id, node)| {

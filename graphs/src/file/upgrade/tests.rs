@@ -37,9 +37,8 @@ fn an_input_that_nobody_knows_is_kept_in_any_format() {
         let said = read(&text).unwrap().warnings;
         said.first().map(|said| said.message.clone())
     };
-    let kept = |input: &str| {
-        Some(format!("hair.{input}: interpolate has no such input: kept as it is"))
-    };
+    let kept =
+        |input: &str| Some(format!("hair.{input}: interpolate has no such input: kept as it is"));
     assert_eq!(of(2, "clump"), None);
     assert_eq!(of(3, "clump"), kept("clump"));
     assert_eq!(of(2, "clumps"), kept("clumps"));
@@ -47,10 +46,15 @@ fn an_input_that_nobody_knows_is_kept_in_any_format() {
 
 #[test]
 fn values_of_former_inputs_that_are_none_are_told_and_kept() {
-    let text = "(format: 2, nodes: {\"hair\": (kind: \"interpolate\", inputs: {\"clump\": \"much\"})})";
+    let text =
+        "(format: 2, nodes: {\"hair\": (kind: \"interpolate\", inputs: {\"clump\": \"much\"})})";
     let loaded = read(text).unwrap();
     assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
-    assert!(loaded.warnings[0].to_string().starts_with("1:69: hair.clump: "), "{:?}", loaded.warnings);
+    assert!(
+        loaded.warnings[0].to_string().starts_with("1:69: hair.clump: "),
+        "{:?}",
+        loaded.warnings
+    );
     assert!(write(&loaded.document).contains("\"amount\": \"much\""));
 }
 

@@ -4,7 +4,7 @@
 //! that now, on any hair: each maker becomes the chain of nodes that gives the same hair. Random lengths of *Interpolate* are the
 //! ones that they were; wisps, waves and strays of *Cluster to strands* are drawn anew.
 
-use super::Upgrade;
+use super::FormatUpgrade;
 use crate::document::{FileEntry, Frame, Node, NodeId, Point, Setting, Socket};
 use crate::text::values::placed_value;
 use coif_nodes::data::field::Field;
@@ -59,7 +59,7 @@ pub(super) fn is_former(kind: &str, input: &str) -> bool {
     FORMER.iter().any(|(known, inputs)| *known == kind && inputs.contains(&input))
 }
 
-pub(super) fn split_makers(upgrade: &mut Upgrade) {
+pub(super) fn split_makers(upgrade: &mut FormatUpgrade) {
     let of_kind = |kind: &str| FORMER.iter().any(|(known, _)| *known == kind);
     let nodes = upgrade.document.nodes.iter().filter(|(_, node)| of_kind(&node.kind));
     let makers: Vec<(NodeId, bool)> =
@@ -67,7 +67,11 @@ pub(super) fn split_makers(upgrade: &mut Upgrade) {
     let mut grown = vec![];
     for (id, fills) in makers {
         let mut chain = Chain::new(upgrade, id);
-        if fills { chain.fill() } else { chain.interpolate() }
+        if fills {
+            chain.fill()
+        } else {
+            chain.interpolate()
+        }
         grown.push(chain.made);
     }
     make_room(upgrade, &grown);
@@ -119,12 +123,12 @@ struct Made {
 }
 
 struct Chain<'u, 'd> {
-    upgrade: &'u mut Upgrade<'d>,
+    upgrade: &'u mut FormatUpgrade<'d>,
     made: Made,
 }
 
 impl<'u, 'd> Chain<'u, 'd> {
-    fn new(upgrade: &'u mut Upgrade<'d>, maker: NodeId) -> Self {
+    fn new(upgrade: &'u mut FormatUpgrade<'d>, maker: NodeId) -> Self {
         Self { upgrade, made: Made { maker, before: vec![], after: vec![] } }
     }
 
@@ -156,7 +160,8 @@ impl<'u, 'd> Chain<'u, 'd> {
     fn put(&mut self, to: &NodeId, input: &str, taken: Option<Taken>) {
         let Some(Taken { from, setting, wires, bends }) = taken else { return };
         let socket = Socket::new(to.clone(), input);
-        let entry = |socket: &Socket| FileEntry::Input(socket.node.clone(), socket.name.to_string());
+        let entry =
+            |socket: &Socket| FileEntry::Input(socket.node.clone(), socket.name.to_string());
         let done = &mut self.upgrade.done;
         done.moved.push((entry(&from), entry(&socket)));
         done.moved.push((FileEntry::Link(from.clone()), FileEntry::Link(socket.clone())));
@@ -221,7 +226,8 @@ impl<'u, 'd> Chain<'u, 'd> {
     fn behind(&mut self, kind: &str, word: &str) -> NodeId {
         let id = self.add(kind, word);
         let last = self.made.after.last().unwrap_or(&self.made.maker).clone();
-        let (gave, gives) = (Socket::new(last.clone(), "curves"), Socket::new(id.clone(), "curves"));
+        let (gave, gives) =
+            (Socket::new(last.clone(), "curves"), Socket::new(id.clone(), "curves"));
         let document = &mut self.upgrade.document;
         for wire in document.links.values_mut().flatten().filter(|wire| **wire == gave) {
             *wire = gives.clone();
@@ -248,9 +254,10 @@ impl<'u, 'd> Chain<'u, 'd> {
     /// Drops whether hair is pushed out of the skin, which it always is.
     fn push_out(&mut self) {
         let push_out = self.take("push_out");
-        if push_out.as_ref().is_some_and(|it| {
-            !matches!(it.value(Type::Bool), Some(Value::Bool(true)))
-        }) {
+        if push_out
+            .as_ref()
+            .is_some_and(|it| !matches!(it.value(Type::Bool), Some(Value::Bool(true))))
+        {
             let why = "hair always stays out of the skin, except as deep as the attribute allow_depth of what it is made from: \
                        dropped";
             self.lose(&push_out, why);
@@ -326,7 +333,10 @@ impl<'u, 'd> Chain<'u, 'd> {
                 self.put(&set, "root", colour);
                 self.set(&set, "variation", 0.0f32);
             }
-            _ => self.lose(&inherit, "strands have the colour of their cluster; use Set colour for another: dropped"),
+            _ => self.lose(
+                &inherit,
+                "strands have the colour of their cluster; use Set colour for another: dropped",
+            ),
         }
         self.points();
         self.push_out();
@@ -387,13 +397,19 @@ impl<'u, 'd> Chain<'u, 'd> {
             }
             (Some(_), _) => self.put(&clump, "amount", tip),
             (None, _) => {
-                self.lose(&tip, "Clump has one amount, and a ramp along the hair: set the ramp: dropped");
+                self.lose(
+                    &tip,
+                    "Clump has one amount, and a ramp along the hair: set the ramp: dropped",
+                );
                 self.put(&clump, "amount", root.clone());
                 self.ramp(&clump, "along", false, vec![(0.0, 1.0), (1.0, 1.0)]);
             }
         }
         if is_other(&root, 0.0) {
-            self.lose(&root, "strands gather from their roots on, and roots stay where they are now");
+            self.lose(
+                &root,
+                "strands gather from their roots on, and roots stay where they are now",
+            );
         }
         match number_or(&wisps, 0.0) {
             Some(0.0) => self.to_parents(&clump, "curves"),
@@ -404,7 +420,9 @@ impl<'u, 'd> Chain<'u, 'd> {
                 self.copy("seed", &clump, "seed");
                 self.copy("scale_with_head", &clump, "scale_with_head");
             }
-            None => self.lose(&wisps, "Clump takes wisps per square centimetre: set density: dropped"),
+            None => {
+                self.lose(&wisps, "Clump takes wisps per square centimetre: set density: dropped")
+            }
         }
     }
 
@@ -471,7 +489,7 @@ fn root_radius(taken: &Taken) -> f32 {
 }
 
 /// Places new nodes in a row with their makers, and moves what stands to the right of them out of the way.
-fn make_room(upgrade: &mut Upgrade, grown: &[Made]) {
+fn make_room(upgrade: &mut FormatUpgrade, grown: &[Made]) {
     let document = &mut upgrade.document;
     let mut groups: BTreeMap<Option<NodeId>, Vec<(&Made, Point)>> = BTreeMap::new();
     for made in grown {
