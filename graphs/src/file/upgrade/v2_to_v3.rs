@@ -279,7 +279,7 @@ impl<'u, 'd> Chain<'u, 'd> {
             let clump = self.clump();
             self.put(&clump, "amount", amount);
             self.put(&clump, "along", along);
-            self.to_parents(&clump, "guides");
+            self.draw_to_parents(&clump, "guides");
         }
         self.push_out();
     }
@@ -294,7 +294,7 @@ impl<'u, 'd> Chain<'u, 'd> {
     }
 
     /// Draws hair to the curve that it was made from.
-    fn to_parents(&mut self, clump: &NodeId, curves: &str) {
+    fn draw_to_parents(&mut self, clump: &NodeId, curves: &str) {
         self.copy(curves, clump, "centres");
         self.set(clump, "attribute", "parent");
     }
@@ -412,7 +412,7 @@ impl<'u, 'd> Chain<'u, 'd> {
             );
         }
         match number_or(&wisps, 0.0) {
-            Some(0.0) => self.to_parents(&clump, "curves"),
+            Some(0.0) => self.draw_to_parents(&clump, "curves"),
             Some(wisps) => {
                 let area = PI * root_radius * root_radius;
                 let density = if area > 0.0 { wisps / area } else { wisps };
