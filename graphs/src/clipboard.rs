@@ -383,12 +383,12 @@ mod tests {
     fn what_is_no_part_is_refused_in_one_line() {
         let refused = |text: &str| paste(&braids(), text, None, None).unwrap_err();
         expect![[r#"
-            1:1: these are no nodes: they begin with `(coif_nodes: 1`
-            1:1: these are no nodes: they begin with `(coif_nodes: 1`
+            1:1: these are no nodes: they begin with `(coif_nodes: 3`
+            1:1: these are no nodes: they begin with `(coif_nodes: 3`
             there are no nodes in it
             1:25: expected opening `{`
             1:10: the file has format 9, this version reads up to 3: open it with a newer coif
-            1:1: these are no nodes: they begin with `(coif_nodes: 1`"#]]
+            1:1: these are no nodes: they begin with `(coif_nodes: 3`"#]]
         .assert_eq(
             &[
                 "",

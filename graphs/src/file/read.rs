@@ -317,7 +317,7 @@ pub(super) fn read_part(text: &str) -> Result<Loaded, FileError> {
         return read(text);
     }
     let Some(at) = said.get(&FileEntry::Field("coif_nodes".to_owned())) else {
-        let message = "these are no nodes: they begin with `(coif_nodes: 1`".to_owned();
+        let message = format!("these are no nodes: they begin with `(coif_nodes: {PART}`");
         return Err(error_at(text, 0, message));
     };
     if let Some(format) = number_at(text, *at).filter(|format| *format > PART) {
@@ -587,15 +587,15 @@ impl Reader<'_> {
         text: &str,
     ) -> Setting {
         if let Some(def) = def {
-            match def.inputs.iter().find(|input| input.name == name) {
-                Some(input) => match placed_value(input.ty, text) {
+            let input = def.inputs.iter().find(|input| input.name == name).map(|input| input.ty);
+            match input.or_else(|| upgrade::former_type(self.format, def.id, name)) {
+                Some(ty) => match placed_value(ty, text) {
                     Ok(value) => return Setting::Known(value),
                     Err(Wrong { at, reason }) => {
                         let at = self.at(place) + at;
                         self.warnings.push((at, format!("{id}.{name}: {reason}")));
                     }
                 },
-                None if upgrade::is_former(self.format, def.id, name) => {}
                 None => {
                     let message =
                         format!("{id}.{name}: {} has no such input: kept as it is", def.id);

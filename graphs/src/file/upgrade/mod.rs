@@ -10,6 +10,7 @@
 
 use crate::document::{Document, FileEntry, NodeId, Socket, groups};
 use crate::file::document_hash;
+use coif_nodes::define::Type;
 use std::sync::Arc;
 
 #[cfg(test)]
@@ -20,14 +21,14 @@ mod v2_to_v3;
 struct Step {
     /// The last format that needs it.
     from: u32,
-    /// Whether an input that a kind of node no longer has is read by the step.
-    is_former: fn(kind: &str, input: &str) -> bool,
+    /// The type of an input that a kind of node no longer has, and that the step reads.
+    former_type: fn(kind: &str, input: &str) -> Option<Type>,
     run: fn(&mut FormatUpgrade),
 }
 
 /// In the order of their formats.
 const STEPS: &[Step] =
-    &[Step { from: 2, is_former: v2_to_v3::is_former, run: v2_to_v3::split_makers }];
+    &[Step { from: 2, former_type: v2_to_v3::former_type, run: v2_to_v3::split_makers }];
 
 /// A document on its way to the newest format.
 pub(super) struct FormatUpgrade<'a> {
@@ -45,9 +46,10 @@ pub(super) struct Done {
     pub(super) lost: Vec<(FileEntry, String)>,
 }
 
-/// Whether a step reads an input of a kind of node which is unknown today.
-pub(super) fn is_former(format: u32, kind: &str, input: &str) -> bool {
-    STEPS.iter().any(|step| format <= step.from && (step.is_former)(kind, input))
+/// The type of an input that a kind of node had in this format and no longer has.
+pub(super) fn former_type(format: u32, kind: &str, input: &str) -> Option<Type> {
+    let steps = STEPS.iter().filter(|step| format <= step.from);
+    steps.filter_map(|step| (step.former_type)(kind, input)).next()
 }
 
 /// Brings a document that was read as `format` to the newest.
@@ -82,9 +84,20 @@ impl FormatUpgrade<'_> {
             Arc::make_mut(origin).hash = hash;
         }
     }
-    /// Says that a value or wire of an input could not be carried over.
-    fn lose(&mut self, input: &Socket, why: &str) {
-        let place = FileEntry::Input(input.node.clone(), input.name.to_string());
+    /// Notes that what a file says of one input is said of another now.
+    fn move_entries(&mut self, from: &Socket, to: &Socket) {
+        self.done.moved.extend(entries(from).into_iter().zip(entries(to)));
+    }
+    /// Says that the value of an input, or the wires to it, could not be carried over.
+    fn lose(&mut self, input: &Socket, is_value: bool, why: &str) {
+        let [value, link, _] = entries(input);
+        let place = if is_value { value } else { link };
         self.done.lost.push((place, format!("{input}: {why}")));
     }
+}
+
+/// The entries of a file that speak of an input: value, wires and bends.
+fn entries(input: &Socket) -> [FileEntry; 3] {
+    let value = FileEntry::Input(input.node.clone(), input.name.to_string());
+    [value, FileEntry::Link(input.clone()), FileEntry::Bends(input.clone())]
 }

@@ -21,7 +21,8 @@ fn makers_of_format_2_become_the_chains_that_give_the_same_hair() {
         [
             "26:114: exact.push_out: hair always stays out of the skin, except as deep as the attribute allow_depth of what it is made \
              from: dropped",
-            "49:39: locks/strands.root_clump: strands gather from their roots on, and roots stay where they are now",
+            "49:39: locks/strands.root_clump: strands gather from their roots on, and roots stay where they are now: Clump has one \
+             amount, and a ramp along the hair",
         ]
     );
     assert!(loaded.dropped_comments.is_empty() && loaded.conflicts.is_empty());
@@ -56,6 +57,65 @@ fn values_of_former_inputs_that_are_none_are_told_and_kept() {
         loaded.warnings
     );
     assert!(write(&loaded.document).contains("\"amount\": \"much\""));
+}
+
+/// What is said of a document of format 2 with these nodes, and what is written of it.
+fn upgraded(nodes: &str) -> (Vec<String>, String) {
+    let loaded = read(&format!("(format: 2, nodes: {{{nodes}}})")).unwrap();
+    assert!(loaded.dropped_comments.is_empty(), "{:?}", loaded.dropped_comments);
+    let said = loaded.warnings.iter().map(ToString::to_string).collect();
+    (said, write(&loaded.document))
+}
+
+#[test]
+fn a_port_without_a_default_keeps_the_one_that_its_reader_had() {
+    let (said, written) = upgraded(
+        r#""p": (kind: "parameters", interface: (inputs: [(name: "c", type: "field"), (name: "j", type: "number")])),
+        "hair": (kind: "interpolate", links: {"clump": "p.c"}),
+        "g": (kind: "group", interface: (inputs: [(name: "waves", type: "number")]), links: {"waves": "p.j"}, nodes: {
+            "in": (kind: "group_input"),
+            "fill": (kind: "cluster_to_strands", links: {"jitter": "in.waves"}),
+        })"#,
+    );
+    assert!(said.is_empty(), "{said:?}");
+    for port in [
+        "name: \"c\", type: \"field\"",
+        "name: \"j\", type: \"number\"",
+        "name: \"waves\", type: \"number\"",
+    ] {
+        assert!(written.contains(&format!("({port}, default: 0.0")), "{port}: {written}");
+    }
+}
+
+#[test]
+fn what_comes_to_lie_nowhere_is_told_with_its_place_and_leaves_its_comments() {
+    let (said, written) = upgraded(
+        r#""hair": (kind: "interpolate", inputs: {
+            // for later
+            "clump_along": Linear([(0.0, 1.0), (1.0, 1.0)]),
+            // always
+            "push_out": true,
+        }),
+        "fill": (kind: "cluster_to_strands", inputs: {"points": 400, "most_points": 8, "twist": 45.0, "wisps": 9},
+            links: {"push_out": "hair.curves"})"#,
+    );
+    let nothing = "it had no effect here: dropped";
+    assert_eq!(said.len(), 4, "{said:?}");
+    assert_eq!(said[0], format!("3:28: hair.clump_along: {nothing}"));
+    assert!(said[1].starts_with("7:85: fill.most_points: strands have"), "{said:?}");
+    assert_eq!(said[2], format!("7:112: fill.wisps: {nothing}"));
+    assert!(said[3].starts_with("8:33: fill.push_out: "), "{said:?}");
+    assert!(written.contains("// for later\n") && written.contains("// always\n"), "{written}");
+}
+
+#[test]
+fn ids_of_new_nodes_are_told_apart_and_take_up_no_wire_that_led_nowhere() {
+    let long = "a".repeat(64);
+    let (_, written) = upgraded(&format!(
+        r#""{long}": (kind: "interpolate"), "hair": (kind: "interpolate"), "out": (kind: "groom_output", links: {{"curves": "hair_length.curves"}})"#
+    ));
+    assert!(written.contains(&format!("\"{}_length\": (", "a".repeat(42))), "{written}");
+    assert!(written.contains("\"hair_length_2\": ("), "{written}");
 }
 
 #[test]

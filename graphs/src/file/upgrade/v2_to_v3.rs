@@ -4,41 +4,51 @@
 //! that now, on any hair: each maker becomes the chain of nodes that gives the same hair. Random lengths of *Interpolate* are the
 //! ones that they were; wisps, waves and strays of *Cluster to strands* are drawn anew.
 
-use super::FormatUpgrade;
+use super::{FormatUpgrade, entries};
 use crate::document::{FileEntry, Frame, Node, NodeId, Point, Setting, Socket};
 use crate::text::values::placed_value;
+use crate::text::write_value;
 use coif_nodes::data::field::Field;
+use coif_nodes::declared::{self, Interface};
 use coif_nodes::define::{Type, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
 const INTERPOLATE: &str = "interpolate";
 const FILL: &str = "cluster_to_strands";
 
-/// The inputs that these nodes had.
-const FORMER: [(&str, &[&str]); 2] = [
-    (INTERPOLATE, &["clump", "clump_along", "length_variation", "push_out"]),
+/// The inputs that these nodes had: type, and value where a file says none.
+const FORMER: [(&str, &[(&str, Type, &str)]); 2] = [
+    (
+        INTERPOLATE,
+        &[
+            ("clump", Type::Field, "0.0"),
+            ("clump_along", Type::Ramp, "Smooth([(0.0, 0.0), (1.0, 1.0)])"),
+            ("length_variation", Type::Float, "0.1"),
+            ("push_out", Type::Bool, "true"),
+        ],
+    ),
     (
         FILL,
         &[
-            "profile",
-            "inherit_colour",
-            "colour",
-            "flatness",
-            "flat_angle",
-            "twist",
-            "wisps",
-            "root_clump",
-            "tip_clump",
-            "width_root",
-            "width_tip",
-            "most_points",
-            "push_out",
-            "length_variation",
-            "jitter",
-            "stray",
-            "stray_amount",
+            ("profile", Type::Ramp, "Linear([(0.0, 1.0), (1.0, 1.0)])"),
+            ("inherit_colour", Type::Bool, "true"),
+            ("colour", Type::Colour, "(0.09, 0.05, 0.03)"),
+            ("flatness", Type::Field, "1.0"),
+            ("flat_angle", Type::Float, "0.0"),
+            ("twist", Type::Field, "0.0"),
+            ("wisps", Type::Int, "0"),
+            ("root_clump", Type::Float, "0.0"),
+            ("tip_clump", Type::Float, "0.0"),
+            ("width_root", Type::Float, "0.008"),
+            ("width_tip", Type::Float, "0.008"),
+            ("most_points", Type::Int, "255"),
+            ("push_out", Type::Bool, "true"),
+            ("length_variation", Type::Float, "0.0"),
+            ("jitter", Type::Float, "0.0"),
+            ("stray", Type::Float, "0.0"),
+            ("stray_amount", Type::Float, "1.0"),
         ],
     ),
 ];
@@ -52,11 +62,21 @@ const POINTS: f32 = 16.0;
 const MOST_POINTS: f32 = 255.0;
 /// Nodes that need a head only for masks, of which they are given none.
 const WITHOUT_HEAD: [&str; 2] = ["set_colour", "set_width"];
+/// So long a maker's word may be with the word of a new node behind it.
+const LONGEST_STEM: usize = 48;
+/// The most wisps that a cluster could have.
+const MOST_WISPS: f32 = 4096.0;
 /// Distance from node to node on the canvas.
 const PITCH: f32 = 220.0;
 
-pub(super) fn is_former(kind: &str, input: &str) -> bool {
-    FORMER.iter().any(|(known, inputs)| *known == kind && inputs.contains(&input))
+/// The type and the default of an input that a kind of node had.
+fn former(kind: &str, input: &str) -> Option<(Type, &'static str)> {
+    let (_, inputs) = FORMER.iter().find(|(known, _)| *known == kind)?;
+    inputs.iter().find(|(known, ..)| *known == input).map(|(_, ty, default)| (*ty, *default))
+}
+
+pub(super) fn former_type(kind: &str, input: &str) -> Option<Type> {
+    former(kind, input).map(|(ty, _)| ty)
 }
 
 pub(super) fn split_makers(upgrade: &mut FormatUpgrade) {
@@ -72,6 +92,7 @@ pub(super) fn split_makers(upgrade: &mut FormatUpgrade) {
         } else {
             chain.interpolate()
         }
+        chain.tell_rest();
         grown.push(chain.made);
     }
     make_room(upgrade, &grown);
@@ -84,22 +105,23 @@ struct Taken {
     setting: Option<Setting>,
     wires: Vec<Socket>,
     bends: Vec<Vec<Point>>,
+    /// What it was where nothing is said; none of inputs that the maker still has.
+    default: Option<Value>,
 }
 
 impl Taken {
-    /// The value as this type, if it is set and nothing is wired.
-    fn value(&self, ty: Type) -> Option<Value> {
-        let setting = self.setting.as_ref().filter(|_| self.wires.is_empty())?;
-        match setting {
-            Setting::Known(value) => Some(value.clone()),
-            Setting::Raw(text) => placed_value(ty, text).ok(),
+    /// The value, if it is one and nothing is wired.
+    fn value(&self) -> Option<&Value> {
+        match &self.setting {
+            Some(Setting::Known(value)) if self.wires.is_empty() => Some(value),
+            _ => None,
         }
     }
     /// The number, if it is the same for all hair.
     fn number(&self) -> Option<f32> {
-        match self.value(Type::Field)? {
-            Value::Float(x) => Some(x),
-            Value::Int(n) => Some(n as f32),
+        match self.value()? {
+            Value::Float(x) => Some(*x),
+            Value::Int(n) => Some(*n as f32),
             Value::Field(field) => field.constant(),
             _ => None,
         }
@@ -125,11 +147,16 @@ struct Made {
 struct Chain<'u, 'd> {
     upgrade: &'u mut FormatUpgrade<'d>,
     made: Made,
+    /// What was taken from the maker and has not come to lie elsewhere, nor been told.
+    rest: BTreeMap<Socket, Taken>,
+    /// Whether its clusters twist, which gives strands more CVs.
+    twisted: bool,
 }
 
 impl<'u, 'd> Chain<'u, 'd> {
     fn new(upgrade: &'u mut FormatUpgrade<'d>, maker: NodeId) -> Self {
-        Self { upgrade, made: Made { maker, before: vec![], after: vec![] } }
+        let made = Made { maker, before: vec![], after: vec![] };
+        Self { upgrade, made, rest: BTreeMap::new(), twisted: false }
     }
 
     /// Takes what an input of the maker has.
@@ -143,7 +170,12 @@ impl<'u, 'd> Chain<'u, 'd> {
             true => Arc::make_mut(node).inputs.remove(input),
             false => None,
         };
-        (setting.is_some() || !wires.is_empty()).then_some(Taken { from, setting, wires, bends })
+        let kind = &node.kind;
+        let default = former(kind, input).and_then(|(ty, text)| placed_value(ty, text).ok());
+        let there = setting.is_some() || !wires.is_empty();
+        let taken = there.then_some(Taken { from, setting, wires, bends, default })?;
+        self.rest.insert(taken.from.clone(), taken.clone());
+        Some(taken)
     }
 
     /// What an input of the maker has, left there.
@@ -153,36 +185,89 @@ impl<'u, 'd> Chain<'u, 'd> {
         let wires = document.wires(&from.node, input).to_vec();
         let setting = document.node(from.node.as_str())?.inputs.get(input).cloned();
         let there = setting.is_some() || !wires.is_empty();
-        there.then_some(Taken { from, setting, wires, bends: vec![] })
+        there.then_some(Taken { from, setting, wires, bends: vec![], default: None })
     }
 
     /// Gives an input of a node what another one had.
     fn put(&mut self, to: &NodeId, input: &str, taken: Option<Taken>) {
-        let Some(Taken { from, setting, wires, bends }) = taken else { return };
+        let Some(Taken { from, setting, wires, bends, default }) = taken else { return };
+        self.rest.remove(&from);
         let socket = Socket::new(to.clone(), input);
-        let entry =
-            |socket: &Socket| FileEntry::Input(socket.node.clone(), socket.name.to_string());
-        let done = &mut self.upgrade.done;
-        done.moved.push((entry(&from), entry(&socket)));
-        done.moved.push((FileEntry::Link(from.clone()), FileEntry::Link(socket.clone())));
+        self.upgrade.move_entries(&from, &socket);
+        if let Some(default) = default {
+            wires.iter().for_each(|wire| self.keep_default(wire, &default));
+        }
         if !wires.is_empty() {
             self.upgrade.document.links.insert(socket.clone(), wires);
             self.upgrade.document.set_all_bends(&socket, bends);
         }
-        let Some(node) = self.upgrade.document.nodes.get_mut(to) else { return };
-        let ty = coif_nodes::by_id(&node.kind).and_then(|def| def.input(input)).map(|it| it.1.ty);
-        let setting = match (setting, ty) {
-            (Some(Setting::Raw(text)), Some(ty)) => match placed_value(ty, &text) {
-                Ok(value) => Some(Setting::Known(value)),
-                Err(wrong) => {
-                    self.upgrade.lose(&from, &wrong.reason);
-                    Some(Setting::Raw(text))
-                }
-            },
-            (setting, _) => setting,
-        };
         if let (Some(setting), Some(node)) = (setting, self.upgrade.document.nodes.get_mut(to)) {
             Arc::make_mut(node).inputs.insert(input.to_owned(), setting);
+        }
+    }
+
+    /// Gives a port without a default the one that its reader had: the new reader may have another.
+    fn keep_default(&mut self, wire: &Socket, default: &Value) {
+        let document = &mut self.upgrade.document;
+        let kind = document.node(wire.node.as_str()).map(|node| node.kind.as_str());
+        let (holder, is_group) = match kind {
+            Some(declared::GROUP_INPUT) => (wire.node.group(), true),
+            Some(declared::PARAMETERS) => (Some(wire.node.clone()), false),
+            _ => return,
+        };
+        let Some(holder) = holder else { return };
+        let Some(interface) = document.node(holder.as_str()).and_then(|node| node.interface) else {
+            return;
+        };
+        let mut inputs = interface.inputs().to_vec();
+        if let Some(port) = inputs.iter_mut().find(|port| *port.name == *wire.name)
+            && port.default.is_none()
+            && let Ok(value) = placed_value(port.ty, &write_value(default))
+        {
+            port.default = Some(value);
+            if let Ok(interface) = Interface::new(inputs, interface.outputs().to_vec())
+                && let Some(node) = document.nodes.get_mut(&holder)
+            {
+                Arc::make_mut(node).interface = Some(interface);
+            }
+        }
+        // The group's own input may come from a port that has none either.
+        if is_group {
+            let outer = document.wires(&holder, &wire.name).to_vec();
+            outer.iter().for_each(|wire| self.keep_default(wire, default));
+        }
+    }
+
+    /// Tells what was said of the maker and comes to lie nowhere; comments on it stay with the maker.
+    fn tell_rest(&mut self) {
+        for taken in std::mem::take(&mut self.rest).into_values() {
+            let is_default = match (taken.value(), &taken.default) {
+                (Some(value), Some(default)) => value.key() == default.key(),
+                _ => false,
+            };
+            if !is_default {
+                self.lose(&Some(taken), "it had no effect here: dropped");
+            }
+        }
+        let maker = FileEntry::Node(self.made.maker.clone());
+        let kind = if self.fills() { FILL } else { INTERPOLATE };
+        for (_, inputs) in FORMER.iter().filter(|(known, _)| *known == kind) {
+            for (input, ..) in *inputs {
+                let from = Socket::new(self.made.maker.clone(), input);
+                self.upgrade.done.moved.extend(entries(&from).map(|from| (from, maker.clone())));
+            }
+        }
+    }
+
+    fn fills(&self) -> bool {
+        let maker = self.upgrade.document.node(self.made.maker.as_str());
+        maker.is_some_and(|node| node.kind == FILL)
+    }
+
+    /// Drops what says what is so anyway.
+    fn drop(&mut self, taken: &Option<Taken>) {
+        if let Some(taken) = taken {
+            self.rest.remove(&taken.from);
         }
     }
 
@@ -204,7 +289,8 @@ impl<'u, 'd> Chain<'u, 'd> {
 
     fn lose(&mut self, taken: &Option<Taken>, why: &str) {
         if let Some(taken) = taken {
-            self.upgrade.lose(&taken.from, why);
+            self.rest.remove(&taken.from);
+            self.upgrade.lose(&taken.from, taken.wires.is_empty(), why);
         }
     }
 
@@ -212,7 +298,22 @@ impl<'u, 'd> Chain<'u, 'd> {
     fn add(&mut self, kind: &str, word: &str) -> NodeId {
         let maker = &self.made.maker;
         let document = &mut self.upgrade.document;
-        let id = document.free_id_in(maker.group().as_ref(), &format!("{}_{word}", maker.word()));
+        let stem: String = maker.word().chars().take(LONGEST_STEM - word.len()).collect();
+        // A wire to a node that is not there must not find this one.
+        let named: BTreeSet<&NodeId> = document
+            .links
+            .iter()
+            .flat_map(|(to, from)| [to].into_iter().chain(from))
+            .map(|it| &it.node)
+            .collect();
+        let id = (1u32..)
+            .map(|n| match n {
+                1 => format!("{stem}_{word}"),
+                n => format!("{stem}_{word}_{n}"),
+            })
+            .map(|stem| document.free_id_in(maker.group().as_ref(), &stem))
+            .find(|id| !named.contains(id));
+        let Some(id) = id else { return maker.clone() };
         let bypass = document.node(maker.as_str()).is_some_and(|node| node.bypass);
         let node = Node { kind: kind.to_owned(), bypass, ..Node::default() };
         document.nodes.insert(id.clone(), Arc::new(node));
@@ -254,10 +355,7 @@ impl<'u, 'd> Chain<'u, 'd> {
     /// Drops whether hair is pushed out of the skin, which it always is.
     fn push_out(&mut self) {
         let push_out = self.take("push_out");
-        if push_out
-            .as_ref()
-            .is_some_and(|it| !matches!(it.value(Type::Bool), Some(Value::Bool(true))))
-        {
+        if push_out.as_ref().is_some_and(|it| !matches!(it.value(), Some(Value::Bool(true)))) {
             let why = "hair always stays out of the skin, except as deep as the attribute allow_depth of what it is made from: \
                        dropped";
             self.lose(&push_out, why);
@@ -273,6 +371,8 @@ impl<'u, 'd> Chain<'u, 'd> {
             self.put(&length, "variation", variation);
             self.set(&length, "distribution", "even");
             self.copy("seed", &length, "seed");
+        } else {
+            self.drop(&variation);
         }
         let (amount, along) = (self.take("clump"), self.take("clump_along"));
         if is_other(&amount, 0.0) {
@@ -325,9 +425,10 @@ impl<'u, 'd> Chain<'u, 'd> {
         }
         self.widths();
         let (inherit, colour) = (self.take("inherit_colour"), self.take("colour"));
-        match inherit.as_ref().map(|inherit| inherit.value(Type::Bool)) {
+        match inherit.as_ref().map(Taken::value) {
             None | Some(Some(Value::Bool(true))) => {}
             Some(Some(Value::Bool(false))) => {
+                self.drop(&inherit);
                 let set = self.behind("set_colour", "colour");
                 self.put(&set, "tip", colour.clone());
                 self.put(&set, "root", colour);
@@ -361,11 +462,12 @@ impl<'u, 'd> Chain<'u, 'd> {
     fn shape(&mut self) {
         let (profile, flatness) = (self.take("profile"), self.take("flatness"));
         let (turn, twist) = (self.take("flat_angle"), self.take("twist"));
-        let is_level = |ramp: Value| match ramp {
+        let is_level = |ramp: &Value| match ramp {
             Value::Ramp(ramp) => ramp.stops().iter().all(|(_, factor)| *factor == 1.0),
             _ => false,
         };
-        let tapers = profile.as_ref().is_some_and(|it| !it.value(Type::Ramp).is_some_and(is_level));
+        let tapers = profile.as_ref().is_some_and(|it| !it.value().is_some_and(is_level));
+        self.twisted = is_other(&twist, 0.0);
         let shapes = is_other(&flatness, 1.0) || is_other(&turn, 0.0) || is_other(&twist, 0.0);
         if tapers || shapes {
             let section = self.before("cross_section", "section");
@@ -373,6 +475,8 @@ impl<'u, 'd> Chain<'u, 'd> {
                 let radius = self.take("radius");
                 self.put(&section, "radius", radius);
                 self.put(&section, "profile", profile);
+            } else {
+                self.drop(&profile);
             }
             self.put(&section, "flatness", flatness);
             self.put(&section, "turn", turn);
@@ -383,45 +487,47 @@ impl<'u, 'd> Chain<'u, 'd> {
 
     /// Strands drawn together to wisps, or to the middle of the cluster.
     fn wisps(&mut self, root_radius: f32) {
-        let (wisps, root, tip) =
+        let (wisps_of, root, tip) =
             (self.take("wisps"), self.take("root_clump"), self.take("tip_clump"));
         if !is_other(&root, 0.0) && !is_other(&tip, 0.0) {
             return;
         }
         let clump = self.clump();
-        match (number_or(&root, 0.0), number_or(&tip, 0.0)) {
-            (Some(root), Some(tip)) if root > 0.0 => {
-                let most = root.max(tip);
+        let share = |taken| number_or(taken, 0.0).map(|x| x.clamp(0.0, 1.0));
+        match (share(&root), share(&tip)) {
+            (Some(root), Some(tip_share)) if root > 0.0 => {
+                let most = root.max(tip_share);
                 self.set(&clump, "amount", most);
-                self.ramp(&clump, "along", true, vec![(0.0, root / most), (1.0, tip / most)]);
+                self.ramp(&clump, "along", true, vec![(0.0, root / most), (1.0, tip_share / most)]);
+                self.drop(&tip);
             }
-            (Some(_), _) => self.put(&clump, "amount", tip),
-            (None, _) => {
-                self.lose(
-                    &tip,
-                    "Clump has one amount, and a ramp along the hair: set the ramp: dropped",
-                );
+            (None, Some(0.0)) => {
                 self.put(&clump, "amount", root.clone());
                 self.ramp(&clump, "along", false, vec![(0.0, 1.0), (1.0, 1.0)]);
             }
+            _ => self.put(&clump, "amount", tip),
         }
         if is_other(&root, 0.0) {
-            self.lose(
-                &root,
-                "strands gather from their roots on, and roots stay where they are now",
-            );
+            let why = "strands gather from their roots on, and roots stay where they are now: Clump has one amount, and a ramp along \
+                       the hair";
+            self.lose(&root, why);
         }
-        match number_or(&wisps, 0.0) {
-            Some(0.0) => self.draw_to_parents(&clump, "curves"),
-            Some(wisps) => {
+        match number_or(&wisps_of, 0.0) {
+            Some(wisps) if wisps > 0.0 => {
                 let area = PI * root_radius * root_radius;
-                let density = if area > 0.0 { wisps / area } else { wisps };
+                let density = wisps.min(MOST_WISPS) / if area > 0.0 { area } else { 1.0 };
                 self.set(&clump, "density", density.clamp(0.01, 1000.0));
                 self.copy("seed", &clump, "seed");
                 self.copy("scale_with_head", &clump, "scale_with_head");
+                self.drop(&wisps_of);
             }
-            None => {
-                self.lose(&wisps, "Clump takes wisps per square centimetre: set density: dropped")
+            number => {
+                if number.is_none() {
+                    let why = "Clump takes wisps per square centimetre: set density, and remove centres: dropped";
+                    self.lose(&wisps_of, why);
+                }
+                self.drop(&wisps_of);
+                self.draw_to_parents(&clump, "curves");
             }
         }
     }
@@ -445,6 +551,7 @@ impl<'u, 'd> Chain<'u, 'd> {
         let maker = self.made.maker.clone();
         if ends[0].is_some() && ends[0] == ends[1] {
             self.put(&maker, "width", root);
+            self.drop(&tip);
             return;
         }
         self.put(&maker, "width", root.clone());
@@ -461,13 +568,18 @@ impl<'u, 'd> Chain<'u, 'd> {
         let points = self.read("points");
         let limit = number_or(&most, MOST_POINTS);
         let is_beyond = |number: f32| limit.is_some_and(|limit| number > limit);
-        if number_or(&points, POINTS).is_some_and(is_beyond) {
+        let is_lower = number_or(&points, POINTS).is_some_and(is_beyond);
+        if is_lower {
             let maker = self.made.maker.clone();
             self.set(&maker, "points", limit.unwrap_or(MOST_POINTS) as i64);
-        } else if is_other(&most, MOST_POINTS) {
+        }
+        let said = is_other(&most, MOST_POINTS);
+        let holds = limit.is_some_and(|limit| limit < MOST_POINTS) && !self.twisted;
+        if said && !(holds && number_or(&points, POINTS).is_some()) {
             let why = "strands have as many CVs as points says, and twisted ones up to 255: use Resample for another limit: dropped";
             self.lose(&most, why);
         }
+        self.drop(&most);
     }
 }
 
@@ -481,9 +593,9 @@ fn root_radius(taken: &Taken) -> f32 {
             _ => 1.0,
         }
     }
-    match taken.value(Type::Field) {
-        Some(Value::Float(x)) => x,
-        Some(Value::Field(field)) => at_root(&field),
+    match taken.value() {
+        Some(Value::Float(x)) => *x,
+        Some(Value::Field(field)) => at_root(field),
         _ => 1.0,
     }
 }
