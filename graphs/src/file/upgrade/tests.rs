@@ -146,3 +146,23 @@ fn a_format_older_than_any_that_is_read_is_refused() {
         "rows.ron:3:13: the file has format 0, the oldest that is read is 1"
     );
 }
+
+#[test]
+fn ports_that_lead_in_a_circle_are_looked_at_once() {
+    let group = |name: &str| {
+        format!(
+            r#""{name}": (kind: "group", interface: (inputs: [(name: "p", type: "number")]), nodes: {{
+                "in": (kind: "group_input"), "fill": (kind: "cluster_to_strands", links: {{"jitter": "in.p"}}),
+            }})"#
+        )
+    };
+    for to in ["x/in", "y/in"] {
+        let text = format!(
+            r#"(format: 1, nodes: {{{}, {}}}, links: {{"x.p": "y/in.p", "y.p": "{to}.p"}})"#,
+            group("x"),
+            group("y")
+        );
+        let document = read(&text).unwrap().document;
+        assert!(document.nodes.contains_key("x/fill_waves"), "{to}");
+    }
+}

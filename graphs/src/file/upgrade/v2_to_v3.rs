@@ -231,9 +231,12 @@ impl<'u, 'd> Chain<'u, 'd> {
                 Arc::make_mut(node).interface = Some(interface);
             }
         }
-        // The group's own input may come from a port that has none either.
+        // The group's own input may come from a port that has none either. What is wired from elsewhere than beside it is no wire, and
+        // could lead in a circle.
         if is_group {
-            let outer = document.wires(&holder, &wire.name).to_vec();
+            let outer = document.wires(&holder, &wire.name).iter();
+            let outer = outer.filter(|wire| wire.node.group() == holder.group());
+            let outer: Vec<Socket> = outer.cloned().collect();
             outer.iter().for_each(|wire| self.keep_default(wire, default));
         }
     }
@@ -250,18 +253,10 @@ impl<'u, 'd> Chain<'u, 'd> {
             }
         }
         let maker = FileEntry::Node(self.made.maker.clone());
-        let kind = if self.fills() { FILL } else { INTERPOLATE };
-        for (_, inputs) in FORMER.iter().filter(|(known, _)| *known == kind) {
-            for (input, ..) in *inputs {
-                let from = Socket::new(self.made.maker.clone(), input);
-                self.upgrade.done.moved.extend(entries(&from).map(|from| (from, maker.clone())));
-            }
+        for (input, ..) in FORMER.iter().flat_map(|(_, inputs)| *inputs) {
+            let from = Socket::new(self.made.maker.clone(), input);
+            self.upgrade.done.moved.extend(entries(&from).map(|from| (from, maker.clone())));
         }
-    }
-
-    fn fills(&self) -> bool {
-        let maker = self.upgrade.document.node(self.made.maker.as_str());
-        maker.is_some_and(|node| node.kind == FILL)
     }
 
     /// Drops what says what is so anyway.
