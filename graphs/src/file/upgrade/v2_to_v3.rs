@@ -53,13 +53,8 @@ const FORMER: [(&str, &[(&str, Type, &str)]); 2] = [
     ),
 ];
 
-/// Shortening of *Interpolate* where its file does not say any.
-const LENGTH_VARIATION: f32 = 0.1;
-/// Both widths of *Cluster to strands* where its file does not say any, cm.
-const WIDTH: f32 = 0.008;
-/// CVs of its strands, and the most that they could have.
+/// CVs of the strands of *Cluster to strands* where its file does not say any.
 const POINTS: f32 = 16.0;
-const MOST_POINTS: f32 = 255.0;
 /// Nodes that need a head only for masks, of which they are given none.
 const WITHOUT_HEAD: [&str; 2] = ["set_colour", "set_width"];
 /// So long a maker's word may be with the word of a new node behind it.
@@ -80,17 +75,16 @@ pub(super) fn former_type(kind: &str, input: &str) -> Option<Type> {
 }
 
 pub(super) fn split_makers(upgrade: &mut FormatUpgrade) {
-    let of_kind = |kind: &str| FORMER.iter().any(|(known, _)| *known == kind);
-    let nodes = upgrade.document.nodes.iter().filter(|(_, node)| of_kind(&node.kind));
-    let makers: Vec<(NodeId, bool)> =
-        nodes.map(|(id, node)| (id.clone(), node.kind == FILL)).collect();
+    let of_kind = |node: &Node| [INTERPOLATE, FILL].into_iter().find(|kind| node.kind == *kind);
+    let nodes = upgrade.document.nodes.iter();
+    let makers: Vec<(NodeId, &str)> =
+        nodes.filter_map(|(id, node)| Some((id.clone(), of_kind(node)?))).collect();
     let mut grown = vec![];
-    for (id, fills) in makers {
-        let mut chain = Chain::new(upgrade, id);
-        if fills {
-            chain.fill()
-        } else {
-            chain.interpolate()
+    for (id, kind) in makers {
+        let mut chain = Chain::new(upgrade, id, kind);
+        match kind {
+            FILL => chain.fill(),
+            _ => chain.interpolate(),
         }
         chain.tell_rest();
         grown.push(chain.made);
@@ -137,6 +131,11 @@ fn number_or(taken: &Option<Taken>, unset: f32) -> Option<f32> {
     taken.as_ref().map_or(Some(unset), Taken::number)
 }
 
+/// What an input was where nothing is said.
+fn default_of(kind: &str, input: &str) -> Option<Value> {
+    former(kind, input).and_then(|(ty, text)| placed_value(ty, text).ok())
+}
+
 /// A maker and the nodes that are put before and behind it.
 struct Made {
     maker: NodeId,
@@ -146,6 +145,7 @@ struct Made {
 
 struct Chain<'u, 'd> {
     upgrade: &'u mut FormatUpgrade<'d>,
+    kind: &'static str,
     made: Made,
     /// What was taken from the maker and has not come to lie elsewhere, nor been told.
     rest: BTreeMap<Socket, Taken>,
@@ -154,9 +154,9 @@ struct Chain<'u, 'd> {
 }
 
 impl<'u, 'd> Chain<'u, 'd> {
-    fn new(upgrade: &'u mut FormatUpgrade<'d>, maker: NodeId) -> Self {
+    fn new(upgrade: &'u mut FormatUpgrade<'d>, maker: NodeId, kind: &'static str) -> Self {
         let made = Made { maker, before: vec![], after: vec![] };
-        Self { upgrade, made, rest: BTreeMap::new(), twisted: false }
+        Self { upgrade, kind, made, rest: BTreeMap::new(), twisted: false }
     }
 
     /// Takes what an input of the maker has.
@@ -170,12 +170,20 @@ impl<'u, 'd> Chain<'u, 'd> {
             true => Arc::make_mut(node).inputs.remove(input),
             false => None,
         };
-        let kind = &node.kind;
-        let default = former(kind, input).and_then(|(ty, text)| placed_value(ty, text).ok());
+        let default = default_of(self.kind, input);
         let there = setting.is_some() || !wires.is_empty();
         let taken = there.then_some(Taken { from, setting, wires, bends, default })?;
         self.rest.insert(taken.from.clone(), taken.clone());
         Some(taken)
+    }
+
+    /// The number that an input of the maker was where nothing is said.
+    fn unset(&self, input: &str) -> f32 {
+        match default_of(self.kind, input) {
+            Some(Value::Float(x)) => x,
+            Some(Value::Int(n)) => n as f32,
+            _ => 0.0,
+        }
     }
 
     /// What an input of the maker has, left there.
@@ -359,10 +367,10 @@ impl<'u, 'd> Chain<'u, 'd> {
 
     /// *Interpolate*: cut, then clumped to the nearest guide.
     fn interpolate(&mut self) {
-        let variation = self.take("length_variation");
-        if number_or(&variation, LENGTH_VARIATION) != Some(0.0) {
+        let (variation, unset) = (self.take("length_variation"), self.unset("length_variation"));
+        if number_or(&variation, unset) != Some(0.0) {
             let length = self.behind("length", "length");
-            self.set(&length, "variation", LENGTH_VARIATION);
+            self.set(&length, "variation", unset);
             self.put(&length, "variation", variation);
             self.set(&length, "distribution", "even");
             self.copy("seed", &length, "seed");
@@ -401,10 +409,10 @@ impl<'u, 'd> Chain<'u, 'd> {
         self.wisps(root_radius);
         self.waves();
         let (share, distance) = (self.take("stray"), self.take("stray_amount"));
-        if is_other(&share, 0.0) && number_or(&distance, 1.0) != Some(0.0) {
+        if is_other(&share, 0.0) && number_or(&distance, self.unset("stray_amount")) != Some(0.0) {
             let stray = self.behind("stray", "stray");
             self.put(&stray, "share", share);
-            self.set(&stray, "distance", 1.0f32);
+            self.set(&stray, "distance", self.unset("stray_amount"));
             self.put(&stray, "distance", distance);
             let along = vec![(0.0, 0.0), (0.25, 0.06), (0.5, 0.25), (0.75, 0.56), (1.0, 1.0)];
             self.ramp(&stray, "along", false, along);
@@ -542,7 +550,8 @@ impl<'u, 'd> Chain<'u, 'd> {
 
     fn widths(&mut self) {
         let (root, tip) = (self.take("width_root"), self.take("width_tip"));
-        let ends = [&root, &tip].map(|width| number_or(width, WIDTH));
+        let unset = self.unset("width_root");
+        let ends = [&root, &tip].map(|width| number_or(width, unset));
         let maker = self.made.maker.clone();
         if ends[0].is_some() && ends[0] == ends[1] {
             self.put(&maker, "width", root);
@@ -551,26 +560,26 @@ impl<'u, 'd> Chain<'u, 'd> {
         }
         self.put(&maker, "width", root.clone());
         let set = self.behind("set_width", "width");
-        self.set(&set, "root", WIDTH);
-        self.set(&set, "tip", WIDTH);
+        self.set(&set, "root", unset);
+        self.set(&set, "tip", unset);
         self.put(&set, "root", root);
         self.put(&set, "tip", tip);
     }
 
     /// The most CVs that strands may have.
     fn points(&mut self) {
-        let most = self.take("most_points");
-        let points = self.read("points");
-        let limit = number_or(&most, MOST_POINTS);
-        let is_beyond = |number: f32| limit.is_some_and(|limit| number > limit);
-        let is_lower = number_or(&points, POINTS).is_some_and(is_beyond);
-        if is_lower {
+        let (most, unset) = (self.take("most_points"), self.unset("most_points"));
+        let limit = number_or(&most, unset);
+        let asked = number_or(&self.read("points"), POINTS);
+        if let (Some(limit), Some(asked)) = (limit, asked)
+            && asked > limit
+        {
             let maker = self.made.maker.clone();
-            self.set(&maker, "points", limit.unwrap_or(MOST_POINTS) as i64);
+            self.set(&maker, "points", limit as i64);
         }
-        let said = is_other(&most, MOST_POINTS);
-        let holds = limit.is_some_and(|limit| limit < MOST_POINTS) && !self.twisted;
-        if said && !(holds && number_or(&points, POINTS).is_some()) {
+        // Of strands whose number of CVs is known, and which a twist gives no more, a lower limit still holds.
+        let holds = limit.is_some_and(|limit| limit < unset) && asked.is_some() && !self.twisted;
+        if is_other(&most, unset) && !holds {
             let why = "strands have as many CVs as points says, and twisted ones up to 255: use Resample for another limit: dropped";
             self.lose(&most, why);
         }
