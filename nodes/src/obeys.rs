@@ -2,8 +2,8 @@
 //!
 //! Which nodes these are, and what they take, is read from their declarations: all that take a scalp and give curves. Each runs on every
 //! parted head; what moves hair runs on hair of all that makes some, as it is declared and with numbers drawn from its sliders. The laws:
-//! no hair is rooted in a parting or leads over one near its root, no point lies deeper in the skin than its hair may, no id is there
-//! twice, and all numbers are finite. A new node is held to them by being listed.
+//! no hair is rooted in a parting or leads over one near its root, neither a point nor what is drawn between points lies deeper in the
+//! skin than its hair may, no id is there twice, and all numbers are finite. A new node is held to them by being listed.
 
 use crate::data::attributes::{ALLOW_DEPTH, ROOT_TRIANGLE};
 use crate::data::curves::{Curves, Tuft};
@@ -261,6 +261,7 @@ fn broken(scalp: &Scalp, tuft: &Tuft, i: usize) -> impl Iterator<Item = &'static
         (ROOTED, is_rooted && !scalp.free(points[0])),
         (OVER, sections.is_over_line(&points[..points.len().min(NEAR)])),
         ("in the skin", (1..points.len()).any(|k| skin.distance(points[k]) < -may(k))),
+        ("drawn into the skin between points", skin.has_dip(points, |k| depth.at(i, first + k))),
     ];
     laws.into_iter().filter(|(_, is_broken)| *is_broken).map(|(law, _)| law)
 }

@@ -16,7 +16,7 @@ use crate::data::attributes::{
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
-use crate::data::route::makers::{lift, lift_each};
+use crate::data::route::makers::{clear, lift, lift_each};
 use crate::data::scalp::Skin;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size, TracedScalp};
@@ -278,16 +278,17 @@ impl Filler<'_> {
                 if section.root_share > 0.0 {
                     p = section.on_the_way(root - sections.root, p);
                 }
-                match skin {
-                    Some(skin) => lift(skin, p, -section.depth).0,
-                    None => p,
-                }
+                p
             }));
+            let strand = &mut points[first..];
+            if let Some(skin) = skin {
+                clear(skin, strand, |k| Some(sections.at[k].depth));
+            }
             if let Some((tip, normal)) = sections.cut {
-                let strand = &mut points[first..];
                 end_on_plane(strand, tip, normal, sections.root_radius);
                 if let Some(skin) = skin {
-                    lift_each(skin, &mut strand[1..], |k| -sections.at[k + 1].depth);
+                    let whole = 1..strand.len();
+                    lift_each(skin, strand, whole, |k| -sections.at[k].depth);
                 }
             }
             if let (Some(home), Some(triangle)) = (&home, triangles.last()) {

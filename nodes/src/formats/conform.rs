@@ -16,10 +16,11 @@ use super::repair::{Allowance, Mender, Read};
 use crate::data::attribute_transfer::between;
 use crate::data::attributes::{self as a, Domain};
 use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
+use crate::data::route::makers::has_dip;
 use crate::data::scalp::{Scalp, Skin};
 use crate::data::sections::Sections;
 use crate::eval::Host;
-use crate::maths::catmull_rom_agreement::{AGREE, readings_agree, readings_differ};
+use crate::maths::catmull_rom_agreement::{readings_agree, readings_differ};
 use crate::maths::nearest_on;
 use crate::maths::spline::{Spline, SplineParam};
 use glam::Vec3;
@@ -300,6 +301,7 @@ pub(crate) fn passes_its_tie(tuft: &Tuft, i: usize) -> Option<usize> {
 fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked {
     let mut looked = Looked { left_out: 0, difference: 0.0, changed: vec![] };
     let mut room = Room::default();
+    let allowed = tuft.view(a::ALLOW_DEPTH);
     let alone = land.skin.is_some_and(Skin::asks_alone);
     let looks = tuft.points().len() as u64 / if alone { LOOKS_ALONE } else { LOOKS };
     let patience = Allowance::of_looks(looks, is_cancelled);
@@ -309,7 +311,11 @@ fn look_at(tuft: &Tuft, land: &Land, is_cancelled: &dyn Fn() -> bool) -> Looked 
             looked.left_out += 1;
             continue;
         }
-        if let Some(difference) = readings_agree(points) {
+        let first = tuft.range(i).start;
+        let dips = |skin: &&Skin| has_dip(skin, points, |k| allowed.at(i, first + k));
+        if let Some(difference) =
+            readings_agree(points).filter(|_| !land.skin.as_ref().is_some_and(dips))
+        {
             looked.difference = looked.difference.max(difference);
         } else if patience.looks().left() == 0 {
             looked.changed.push(Mended {
@@ -372,8 +378,12 @@ fn mend(
         is_barred: &is_barred,
         patience,
     };
-    let read = mender.read_alike(effort);
-    let astray = read.left > AGREE || is_barred(&read);
+    let lifted = mender.lifted();
+    let read = match lifted.agrees() && !is_barred(&lifted) {
+        true => lifted,
+        false => mender.read_alike(effort),
+    };
+    let astray = !read.agrees() || is_barred(&read);
     Some(Mended { curve, read, astray })
 }
 
@@ -422,6 +432,7 @@ pub(crate) mod tests {
     use crate::data::attributes::ID;
     use crate::data::curves::MOST_A_CURVE;
     use crate::eval::PlainHost;
+    use crate::maths::catmull_rom_agreement::AGREE;
 
     fn curves(lists: &[&[Vec3]]) -> Curves {
         let mut b = TuftBuilder::new();

@@ -13,7 +13,9 @@
 use super::conform::Effort;
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::patience::Patience;
-use crate::data::route::makers::{clear, clear_beyond, lift, way_out};
+use crate::data::route::makers::{
+    clear, clear_beyond, clear_drawn, deepest_dip, dips, lift, way_out,
+};
 use crate::data::route::skin_clear::Torn;
 use crate::data::scalp::Skin;
 use crate::maths::catmull_rom_agreement::{AGREE, each_span, readings_agree, readings_differ};
@@ -128,6 +130,8 @@ pub(super) struct Read {
     pub(super) moved: f32,
     /// Whether the skin moved any of them.
     pub(super) on_skin: bool,
+    /// How much deeper than allowed the curve that is drawn through them lies, cm; 0 where it does not.
+    pub(super) dip: f32,
 }
 
 impl Read {
@@ -137,16 +141,12 @@ impl Read {
         let place =
             |k: usize| SplineParam { span: k.min(last - 1), t: if k == last { 1.0 } else { 0.0 } };
         let stops = (0..=last).map(|k| (0.0, place(k))).collect();
-        Self { left, points: points.to_vec(), stops, moved: 0.0, on_skin: true }
+        Self { left, points: points.to_vec(), stops, moved: 0.0, on_skin: true, dip: 0.0 }
     }
 
-    fn agrees(&self) -> bool {
-        self.left <= AGREE
-    }
-
-    fn judged(mut self) -> Self {
-        self.left = readings_differ(&self.points);
-        self
+    /// Whether all tools read one curve, and that lies no deeper than it may.
+    pub(super) fn agrees(&self) -> bool {
+        self.left <= AGREE && self.dip == 0.0
     }
 }
 
@@ -212,8 +212,41 @@ impl Mender<'_> {
             }
             tried.extend(starts.into_iter().skip(1).filter(|led| !(self.is_barred)(led)));
         }
-        tried.sort_by(|a, b| a.left.total_cmp(&b.left));
+        tried.sort_by(|a, b| a.left.max(a.dip).total_cmp(&b.left.max(b.dip)));
         tried.swap_remove(0)
+    }
+
+    /// The curve with its own CVs, out of the skin where it dips between them.
+    pub(super) fn lifted(&self) -> Read {
+        let mut read = Read::of(self.old, 0.0);
+        if let Some(skin) = self.skin {
+            let Read { points, stops, .. } = &mut read;
+            clear_drawn(skin, points, |k| (self.depth)(stops[k].1));
+            read.moved = self.moved(&read);
+        }
+        self.judged(read)
+    }
+
+    /// The same, once what dips between CVs is out of the skin, as far as that goes.
+    fn settled(&self, read: Read) -> Read {
+        let mut read = self.judged(read);
+        match self.skin.filter(|_| read.dip > 0.0) {
+            None => read,
+            Some(skin) => {
+                let Read { points, stops, .. } = &mut read;
+                clear_drawn(skin, points, |k| (self.depth)(stops[k].1));
+                read.on_skin = true;
+                self.judged(read)
+            }
+        }
+    }
+
+    /// How CVs are read, and how deep the curve through them dips.
+    fn judged(&self, mut read: Read) -> Read {
+        read.left = readings_differ(&read.points);
+        let depth = |k: usize| (self.depth)(read.stops[k].1);
+        read.dip = self.skin.map_or(0.0, |skin| deepest_dip(skin, &read.points, depth));
+        read
     }
 
     /// The number of segments times a factor.
@@ -276,7 +309,7 @@ impl Mender<'_> {
             self.patience.looks.take(2 * last as u64);
         }
         read.on_skin = pushed.get();
-        (read.judged(), !alike && pushed.get())
+        (self.settled(read), !alike && pushed.get())
     }
 
     /// The same, of the curve routed around what tears it.
@@ -289,8 +322,9 @@ impl Mender<'_> {
         let Read { points, stops, .. } = &mut read;
         clear_beyond(skin, torn, points, |k| Some((self.depth)(stops[k].1)));
         self.even(&mut read, last, true);
+        let mut read = self.settled(read);
         read.moved = self.moved(&read);
-        read.judged()
+        read
     }
 
     /// Equalises chords along the curve of these CVs; returns whether it succeeded.
@@ -333,7 +367,7 @@ impl Mender<'_> {
             let beyond = (1.1 + manner.growth * round as f32).min(FARTHEST.0);
             if !move_out(&mut read.points, |k| (self.depth)(stops[k].1), skin, beyond, manner.hard)
             {
-                read = read.judged();
+                read = self.judged(read);
                 if read.agrees() {
                     read.moved = self.moved(&read);
                     return Some(read);
@@ -427,7 +461,7 @@ fn alike_chords(
 /// along with them, decreasing with distance. Returns whether any moved.
 fn move_out(
     points: &mut [Vec3],
-    depth: impl Fn(usize) -> f32,
+    depth: impl Fn(usize) -> f32 + Copy,
     skin: &Skin,
     beyond: f32,
     aside: bool,
@@ -446,6 +480,13 @@ fn move_out(
     };
     let mut ways: Vec<Vec3> = (1..n).map(out).collect();
     ways.insert(0, Vec3::ZERO);
+    for dip in dips(skin, points, depth) {
+        for k in [dip.span, dip.span + 1].into_iter().filter(|k| *k > 0) {
+            if ways[k].length() < dip.excess {
+                ways[k] = dip.way_out();
+            }
+        }
+    }
     for k in 1..n - 1 {
         if aside && ways[k].dot(ways[k + 1]) < 0.0 {
             let through = (ways[k + 1] - ways[k]).normalize_or_zero();

@@ -306,8 +306,9 @@ impl Grower<'_> {
             Err(_) => out = grown.to_vec(),
         }
         // The spline may cut a corner of the skin that the steps avoided.
-        lift_each(&self.skin, &mut out[1..], |_| 0.5 * CLEARANCE);
         out[0] = grown[0];
+        let whole = 1..out.len();
+        lift_each(&self.skin, &mut out, whole, |_| 0.5 * CLEARANCE);
         out
     }
 

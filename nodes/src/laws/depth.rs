@@ -1,63 +1,90 @@
 //! Hair under the skin.
 //!
-//! Each CV is measured. On curves that coif did not write, whose CVs may be far apart, so are the segments between them: a
-//! segment with a deep part counts once, unless one of its ends is too deep itself.
+//! A curve is judged as it is drawn: each CV, and each span between two, sampled the denser the more the skin bends there. A span with a
+//! deep part counts once, unless one of its ends is too deep itself.
 
 use super::hair::MeasuredHair;
 use crate::data::scalp::{Scalp, Skin};
+use crate::maths::drawn_span::DrawnSpan;
 use glam::Vec3;
 
 /// How deep hair is under the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinDepth {
-    /// Number of CVs deeper than their curve allows (with 0.001 cm of tolerance).
+    /// Number of CVs deeper than their curve allows (with 0.001 cm of tolerance), and of spans between others that are somewhere (with
+    /// 0.01 cm).
     pub too_deep: usize,
-    /// Number of curves with such CVs.
+    /// Number of curves with such.
     pub curves: usize,
-    /// Depth of the deepest CV, cm.
+    /// Depth of the deepest place of any curve, cm.
     pub deepest_cm: f32,
+    /// How much deeper than its curve allows the worst place lies, cm; 0 where none does.
+    pub beyond_cm: f32,
+    /// That place, cm; none where nothing lies deeper than allowed.
+    pub at: Option<[f32; 3]>,
+    /// Its curve.
+    pub curve: Option<usize>,
 }
 
-/// Spacing of samples along a segment near the skin, cm, and their largest number.
-const STEP: f32 = 0.2;
-const MOST_STEPS: usize = 500;
-/// Tolerance of the allowed depth, cm.
-const ROUNDING: f32 = 1e-3;
+impl SkinDepth {
+    const NONE: Self =
+        Self { too_deep: 0, curves: 0, deepest_cm: 0.0, beyond_cm: 0.0, at: None, curve: None };
 
-/// Measures every CV, and segments of curves that coif did not write.
+    fn note(&mut self, depth: f32, beyond: f32, at: Vec3, curve: usize) {
+        self.deepest_cm = self.deepest_cm.max(depth);
+        if beyond > self.beyond_cm {
+            (self.beyond_cm, self.at, self.curve) = (beyond, Some(at.to_array()), Some(curve));
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        let worse = if other.beyond_cm > self.beyond_cm { other } else { self };
+        Self {
+            too_deep: self.too_deep + other.too_deep,
+            curves: self.curves + other.curves,
+            deepest_cm: self.deepest_cm.max(other.deepest_cm),
+            ..worse
+        }
+    }
+}
+
+/// Tolerance of the allowed depth of CVs, cm, and of what is drawn between them.
+const ROUNDING: f32 = 1e-3;
+const BETWEEN: f32 = 0.01;
+
+/// Measures every curve.
 pub fn measure(hair: &MeasuredHair, scalp: &Scalp) -> SkinDepth {
     let skin = scalp.skin();
     let allowed = hair.numbers("allow_depth");
-    let between = !hair.is_of_coifs_form();
+    let is_smooth = hair.is_of_coifs_form();
     let parts = hair.in_parts(hair.len(), 200, |part| {
-        let (mut too_deep, mut curves, mut deepest) = (0, 0, 0.0f32);
+        let (mut found, mut near) = (SkinDepth::NONE, None);
         for i in part {
-            let (first, before_it) = (hair.range(i).start, too_deep);
-            let mut before = None;
-            for (k, p) in hair.curve(i).iter().enumerate() {
+            let (first, before_it) = (hair.range(i).start, found.too_deep);
+            let points = hair.curve(i);
+            let may = |k: usize| allowed.as_ref().map_or(0.0, |a| a.at(i, first + k));
+            let mut was_deep = false;
+            for (k, p) in points.iter().enumerate() {
                 let depth = depth(scalp, &skin, *p);
-                deepest = deepest.max(depth);
-                let most =
-                    |k: usize| allowed.as_ref().map_or(0.0, |a| a.at(i, first + k)) + ROUNDING;
-                let is_deep = depth > most(k);
-                too_deep += usize::from(is_deep);
-                if let Some(before) = before.replace((p, is_deep)).filter(|_| between) {
-                    let within = deepest_between(scalp, &skin, *before.0, *p);
-                    deepest = deepest.max(within);
-                    let neither = !before.1 && !is_deep;
-                    too_deep += usize::from(neither && within > most(k).max(most(k - 1)));
+                let is_deep = depth > may(k) + ROUNDING;
+                found.note(depth, depth - may(k), *p, i);
+                found.too_deep += usize::from(is_deep);
+                let neither = !std::mem::replace(&mut was_deep, is_deep) && !is_deep;
+                let Some(before) = k.checked_sub(1) else { continue };
+                let span = match is_smooth {
+                    true => DrawnSpan::of(points, before),
+                    false => DrawnSpan::straight(points[before], *p),
+                };
+                if let Some(deepest) = skin.deepest(&span, [may(before), may(k)], &mut near) {
+                    found.note(-deepest.distance, deepest.excess, deepest.at, i);
+                    found.too_deep += usize::from(neither && deepest.excess > BETWEEN);
                 }
             }
-            curves += usize::from(too_deep > before_it);
+            found.curves += usize::from(found.too_deep > before_it);
         }
-        SkinDepth { too_deep, curves, deepest_cm: deepest }
+        found
     });
-    let none = SkinDepth { too_deep: 0, curves: 0, deepest_cm: 0.0 };
-    parts.into_iter().fold(none, |all, part| SkinDepth {
-        too_deep: all.too_deep + part.too_deep,
-        curves: all.curves + part.curves,
-        deepest_cm: all.deepest_cm.max(part.deepest_cm),
-    })
+    parts.into_iter().fold(SkinDepth::NONE, SkinDepth::and)
 }
 
 /// Depth of a point under the skin, cm; 0 outside.
@@ -68,18 +95,4 @@ fn depth(scalp: &Scalp, skin: &Skin, p: Vec3) -> f32 {
     }
     let surface = scalp.surface();
     surface.closest(p).map_or(0.0, |hit| -surface.signed_distance(p, &hit))
-}
-
-/// Largest depth of a segment under the skin.
-fn deepest_between(scalp: &Scalp, skin: &Skin, from: Vec3, to: Vec3) -> f32 {
-    let length = from.distance(to);
-    let least = STEP.max(length / MOST_STEPS as f32);
-    let (mut s, mut deepest) = (least, 0.0f32);
-    while s < length {
-        let p = from.lerp(to, s / length);
-        deepest = deepest.max(depth(scalp, skin, p));
-        // Within its distance from the skin, a point has none around it.
-        s += skin.distance(p).max(least);
-    }
-    deepest
 }

@@ -16,6 +16,7 @@ use crate::data::scalp::Scalp;
 use crate::data::sections::Sections;
 use crate::eval::Host;
 use crate::formats::conform::{joins as joins_its_braid, leading, passes_its_tie};
+use crate::maths::drawn_span::DrawnSpan;
 use crate::maths::nearest_on;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -145,6 +146,7 @@ impl Partings {
         let joined = hair.numbers("along").filter(AttributeValues::is_of_points);
         let braid = hair.whole("braid");
         let tied = TieAttributes::of(hair);
+        let is_smooth = hair.is_of_coifs_form();
         let parts = hair.in_parts(hair.len(), 1000, |part| {
             let (mut crossing, mut rooted_in) = (0, 0);
             for i in part {
@@ -159,13 +161,17 @@ impl Partings {
                     Some(along) if braided => joins(along, i, hair.range(i)),
                     _ => points.len(),
                 };
-                for w in points.windows(2).take(until) {
+                for (k, w) in points.windows(2).enumerate().take(until) {
                     s += w[0].distance(w[1]);
                     let hangs = held.is_some_and(|held| s > held);
                     if hangs || braided && joined.is_none() && s > TO_ITS_BRAID {
                         break;
                     }
-                    if self.crossed(w[0], w[1]) {
+                    let span = match is_smooth {
+                        true => DrawnSpan::of(points, k),
+                        false => DrawnSpan::straight(w[0], w[1]),
+                    };
+                    if self.crossed(&span) {
                         crossing += 1;
                         break;
                     }
@@ -181,12 +187,13 @@ impl Partings {
         }
     }
 
-    /// Whether the segment from `a` to `b` crosses a parting on the skin.
-    fn crossed(&self, a: Vec3, b: Vec3) -> bool {
-        // Long segments are tested in pieces of one cell.
-        let pieces = (a.distance(b) / (0.5 * CELL)).ceil().clamp(1.0, 200.0) as usize;
+    /// Whether a span crosses a parting on the skin.
+    fn crossed(&self, span: &DrawnSpan) -> bool {
+        // It is tested in pieces shorter than a cell.
+        let (_, radius) = span.ball();
+        let pieces = (2.0 * radius / (0.5 * CELL)).ceil().clamp(1.0, 200.0) as usize;
         (0..pieces).any(|k| {
-            let at = |k: usize| a.lerp(b, k as f32 / pieces as f32);
+            let at = |k: usize| span.at(k as f32 / pieces as f32);
             let (a, b) = (at(k), at(k + 1));
             self.near((a + b) * 0.5).any(|piece| piece.is_crossed(a, b))
         })

@@ -4,8 +4,8 @@ use super::hair::{MeasuredHair, quantile};
 use crate::data::curves::MOST_A_CURVE;
 use crate::formats::usd::form::Basis;
 use crate::maths::catmull_rom_agreement::AGREE;
+use crate::maths::drawn_span;
 use crate::maths::spline::Spline;
-use glam::Vec3;
 
 /// The most points of all hair of a groom.
 pub const MOST_POINTS: usize = 16_000_000;
@@ -23,7 +23,7 @@ pub struct Strands {
     pub length_cm: [f32; 3],
     /// Smallest and largest diameter, cm.
     pub width_cm: Option<[f32; 2]>,
-    /// Lowest and highest corner of the box about all, cm.
+    /// Lowest and highest corner of the box about all curves as they are drawn, cm.
     pub bounds: Option<[[f32; 3]; 2]>,
     /// Curves without length, or of a number of points that makes none.
     pub no_curve: usize,
@@ -51,9 +51,15 @@ impl Strands {
 /// Looks at every curve.
 pub fn measure(hair: &MeasuredHair) -> Strands {
     let shapes = Shapes::of(hair);
-    let corners = hair.points().iter().fold(None, |corners: Option<(Vec3, Vec3)>, p| {
-        Some(corners.map_or((*p, *p), |(lo, hi)| (lo.min(*p), hi.max(*p))))
-    });
+    let own = |i: usize| match hair.is_of_coifs_form() {
+        true => drawn_span::bounds(hair.curve(i)),
+        false => {
+            let all = hair.curve(i).iter().map(|p| (*p, *p));
+            all.reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)))
+        }
+    };
+    let all = (0..hair.len()).filter_map(own);
+    let corners = all.reduce(|(lo, hi), (low, high)| (lo.min(low), hi.max(high)));
     let counts = || (0..hair.len()).map(|i| hair.cv_count(i));
     let lengths = &shapes.lengths;
     Strands {

@@ -7,6 +7,7 @@ pub mod box_tree;
 pub mod catmull_rom_agreement;
 pub mod closest;
 pub mod distance_field;
+pub mod drawn_span;
 pub mod frame;
 pub mod hair_colour;
 pub mod hash;

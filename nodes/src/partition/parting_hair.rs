@@ -487,7 +487,7 @@ pub(crate) fn way(
     // In folds that a few rounds do not resolve, and on ridges between two samples, at least the points are out of the
     // skin.
     if let Some(skin) = rules.for_hair {
-        lift_each(&skin, points[1..rules.cvs - 1].iter_mut(), |_| 0.0);
+        lift_each(&skin, points, 1..rules.cvs - 1, |_| 0.0);
     }
     // A border may protrude between two points that are inside.
     let stays = |home: &RowSection| points.windows(2).all(|w| !home.sections.crosses(w[0], w[1]));

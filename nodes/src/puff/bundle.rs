@@ -255,7 +255,8 @@ impl Bundle<'_> {
                 break;
             }
         }
-        lift_each(&self.skin, &mut points[1..], |_| 0.0);
+        let whole = 1..points.len();
+        lift_each(&self.skin, points, whole, |_| 0.0);
         nearest.map_or(parent, |l| l.id)
     }
 }

@@ -610,7 +610,8 @@ impl Gatherer<'_> {
             let near = |_, p: Vec3, kept: Vec3| if kept.distance(p) < far { kept } else { p };
             home.lead(hair.iter_mut().enumerate().skip(1), rooted.root.triangle, near);
         }
-        lift_each(&self.skin, &mut hair[1..], |_| 0.0);
+        let whole = 1..hair.len();
+        lift_each(&self.skin, hair, whole, |_| 0.0);
         self.past_ears(&mut points[from_here..]);
         if let Some(end) = points.last_mut() {
             // The ring of a tilted tie may dip into the head.
@@ -640,7 +641,7 @@ impl Gatherer<'_> {
             *p = middle + way * (near + (far - near) * t);
         }
         self.detour.reroute(&mut hair[..=past], Towards::Top);
-        lift_each(&self.skin, &mut hair[1..past], |_| 0.0);
+        lift_each(&self.skin, hair, 1..past, |_| 0.0);
     }
 
     /// Other programs would read a hair with points made uneven by folds as a different curve: it gets even points

@@ -45,8 +45,8 @@ fn hair_is_rooted_stays_out_of_the_head_and_ends_in_its_tie() {
         let (hair, ties) = gather(set);
         assert!(hair.curve_count() > 1000);
         assert!(roots::off_their_places(&hair, &scalp) < 1e-5);
-        let deepest = depth::measure(&MeasuredHair::of(&hair, &PlainHost), &scalp).deepest_cm;
-        assert!(deepest < 1e-3, "{deepest}");
+        let deep = depth::measure(&MeasuredHair::of(&hair, &PlainHost), &scalp);
+        assert_eq!(deep.too_deep, 0, "{} cm", deep.beyond_cm);
         for (tuft, i) in hair.each() {
             let points = tuft.curve(i);
             let tie = ties.iter().find(|t| t.id == tuft.view(PUFF).at(i, 0)).unwrap();

@@ -382,4 +382,7 @@ struct RootsNames {
 struct DepthNames {
     too_deep: usize,
     deepest_cm: f32,
+    beyond_cm: f32,
+    at: Option<[f32; 3]>,
+    curve: Option<usize>,
 }

@@ -145,9 +145,19 @@ pub(super) fn in_words(m: &Measured) -> String {
         );
     }
     if let Some(OnScalp { roots, depth }) = &m.scalp {
+        let worst = match (depth.at, depth.curve) {
+            (Some([x, y, z]), Some(curve)) if depth.too_deep > 0 => format!(
+                "; worst {} cm deeper than allowed, at ({}, {}, {}) on curve {curve}",
+                f(depth.beyond_cm),
+                f(x),
+                f(y),
+                f(z)
+            ),
+            _ => String::new(),
+        };
         text += &format!(
-            "  roots {} cm from the scalp (middle), {} at most; {} points too deep, deepest {} cm\n",
-            roots.distance_cm[0], roots.distance_cm[1], depth.too_deep, depth.deepest_cm
+            "  roots {} cm from the scalp (middle), {} at most; {} points too deep, deepest {} cm{}\n",
+            roots.distance_cm[0], roots.distance_cm[1], depth.too_deep, depth.deepest_cm, worst
         );
     }
     for note in &m.notes {

@@ -8,10 +8,15 @@
 //!
 //! [`Home::lead`]: super::section_guard::Home::lead
 
+use super::drawn::Dip;
 use super::skin_clear::Torn;
 use crate::data::skin::Skin;
 use crate::maths::spline::Spline;
 use glam::Vec3;
+use std::ops::Range;
+
+/// Rounds of spacing a hair evenly.
+const EVENINGS: usize = 4;
 
 /// `p`, or where it is lower, the nearest point at a height (cm, negative: a depth that is allowed) over the skin; and whether it was
 /// moved.
@@ -20,16 +25,79 @@ pub(crate) fn lift(skin: &Skin, p: Vec3, height: f32) -> (Vec3, bool) {
     skin.lift(p, height)
 }
 
-/// [`lift`] of points, each by its number to its own height.
-#[inline]
-pub(crate) fn lift_each<'p>(
+/// [`lift`] of the points of a hair in `which`, each by its number to its own height, and of what is drawn between them; where that spoils
+/// their spacing, they are spaced evenly again. The other points stay.
+pub(crate) fn lift_each(
     skin: &Skin,
-    points: impl IntoIterator<Item = &'p mut Vec3>,
+    hair: &mut [Vec3],
+    which: Range<usize>,
     height: impl Fn(usize) -> f32,
 ) {
-    for (k, p) in points.into_iter().enumerate() {
-        *p = skin.lift(*p, height(k)).0;
+    if lift_all(skin, hair, which.clone(), &height) {
+        space_evenly(skin, hair, which, height, &mut Spline::default());
     }
+}
+
+/// Lifts points and what is drawn between them; tells whether any was moved.
+fn lift_all(
+    skin: &Skin,
+    hair: &mut [Vec3],
+    which: Range<usize>,
+    height: impl Fn(usize) -> f32,
+) -> bool {
+    let mut any = false;
+    for k in which.clone() {
+        let (lifted, moved) = skin.lift(hair[k], height(k));
+        hair[k] = lifted;
+        any |= moved;
+    }
+    skin.clear_drawn(hair, |k| which.contains(&k), |k| -height(k)) | any
+}
+
+/// Spaces the points of a hair in `which` evenly between those beside them, and lifts them again, as long as that helps. The tip stays.
+fn space_evenly(
+    skin: &Skin,
+    hair: &mut [Vec3],
+    which: Range<usize>,
+    height: impl Fn(usize) -> f32,
+    spline: &mut Spline,
+) {
+    let Some(first) = which.start.checked_sub(1).filter(|_| !skin.is_rough()) else { return };
+    let part = first..which.end.min(hair.len() - 1) + 1;
+    for _ in 0..EVENINGS {
+        let hair = &mut hair[part.clone()];
+        if is_even(hair) || spline.rebuild(hair).is_err() {
+            break;
+        }
+        let last = hair.len() - 1;
+        for (k, p) in hair.iter_mut().enumerate().take(last).skip(1) {
+            *p = spline.at(k as f32 / last as f32);
+        }
+        lift_all(skin, hair, 1..last, |k| height(first + k));
+    }
+}
+
+/// Sets what is drawn between the points of a hair out of the skin, all but its root free to move; `depth` says how deep (cm) each may
+/// lie.
+pub(crate) fn clear_drawn(skin: &Skin, hair: &mut [Vec3], depth: impl Fn(usize) -> f32) -> bool {
+    skin.clear_drawn(hair, |k| k > 0, depth)
+}
+
+/// Where what is drawn between the points of a hair dips into the skin, deeper (cm) than its ends may lie.
+pub(crate) fn dips(skin: &Skin, hair: &[Vec3], depth: impl Fn(usize) -> f32) -> Vec<Dip> {
+    let mut dips = vec![];
+    skin.dips(hair, |_| true, depth, |dip| dips.push(dip));
+    dips
+}
+
+/// Whether there is such a place.
+pub(crate) fn has_dip(skin: &Skin, hair: &[Vec3], depth: impl Fn(usize) -> f32) -> bool {
+    skin.has_dip(hair, depth)
+}
+
+/// How much deeper than it may the deepest such place lies, cm; 0 without one.
+pub(crate) fn deepest_dip(skin: &Skin, hair: &[Vec3], depth: impl Fn(usize) -> f32) -> f32 {
+    dips(skin, hair, depth).iter().map(|dip| dip.excess).fold(0.0, f32::max)
 }
 
 /// [`lift`] of all that [`Skin::distance`] tells to be lower: beside ears and among folds the field alone may pass over a thin wall,
@@ -44,14 +112,14 @@ pub(crate) fn lift_about(skin: &Skin, p: Vec3, height: f32) -> Vec3 {
     skin.lift_about(p, height)
 }
 
-/// Sets a whole hair clear of the skin, all but its first point, and leads it round what would tear it. `depth` says how deep (cm) each
-/// may lie; none where a point is known to be clear. Tells whether any was moved.
+/// Sets a whole hair clear of the skin, all but its first point, and leads it round what would tear it; where that spoils its spacing, it
+/// is spaced evenly again. `depth` says how deep (cm) each may lie; none where a point is known to be clear. Tells whether any was moved.
 pub(crate) fn clear(
     skin: &Skin,
     points: &mut [Vec3],
     depth: impl Fn(usize) -> Option<f32>,
 ) -> bool {
-    skin.clear(points, depth)
+    clear_noting(skin, points, depth, |_, _, _| {})
 }
 
 /// [`clear`] that notes what was found out about the air on a mesh where each point asks the skin alone: for which point, and the middle
@@ -62,7 +130,12 @@ pub(crate) fn clear_noting(
     depth: impl Fn(usize) -> Option<f32>,
     note: impl FnMut(usize, Vec3, f32),
 ) -> bool {
-    skin.clear_noting(points, depth, note)
+    let moved = skin.clear_noting(points, &depth, note);
+    if moved {
+        let height = |k: usize| -depth(k).unwrap_or(0.0);
+        space_evenly(skin, points, 1..points.len(), height, &mut Spline::default());
+    }
+    moved
 }
 
 /// [`clear`] that leads round whatever tears the hair so far.
@@ -100,16 +173,7 @@ pub(crate) fn rest_evenly(
         points[k] = points[k - 1] + along * chords[k - 1];
     }
     skin.clear(points, |_| Some(depth));
-    for _ in 0..4 {
-        if is_even(points) || spline.rebuild(points).is_err() {
-            break;
-        }
-        let last = points.len() - 1;
-        for (k, p) in points.iter_mut().enumerate().take(last).skip(1) {
-            *p = spline.at(k as f32 / last as f32);
-        }
-        skin.clear(points, |_| Some(depth));
-    }
+    space_evenly(skin, points, 1..points.len(), |_| -depth, spline);
 }
 
 /// Whether adjacent points are spaced within 1.2 : 1 (methods.md 0).

@@ -18,9 +18,11 @@ use super::curves::{AttributeView, Tuft, TuftBuilder};
 use super::patience::Patience;
 use super::scalp::Scalp;
 use super::skin::Skin;
+use drawn::DIP;
 use glam::Vec3;
 use section_guard::Home;
 
+pub(crate) mod drawn;
 pub(crate) mod hair;
 pub(crate) mod makers;
 mod push;
@@ -134,9 +136,8 @@ impl<'a> Route<'a> {
         }
         if let Some(home) = scalp.home(old[0]).filter(|_| self.policy.own_section) {
             keep_home(&home, &skin, old, new, &depth);
-            leads_over(&home, old, new)?;
         }
-        is_out(&skin, old, new, &depth)
+        self.settle_drawn(&skin, old, new, |k| k > 0 && !stays[k], &depth)
     }
 
     /// Sets what a hair has grown on beyond its old points where it may be.
@@ -149,12 +150,42 @@ impl<'a> Route<'a> {
         if !new.iter().all(|p| p.is_finite()) {
             return Err(Left::Far);
         }
-        let (Some(skin), Some(scalp)) = (self.skin, self.scalp) else { return Ok(()) };
+        let Some(skin) = self.skin else { return Ok(()) };
         skin.clear(new, |k| (k >= old.len()).then(|| depth(k)));
-        if let Some(home) = scalp.home(old[0]).filter(|_| self.policy.own_section) {
+        self.settle_drawn(&skin, old, new, |k| k >= old.len(), &depth)
+    }
+
+    /// Sets the curve that is drawn through a moved hair out of the skin, as far as points of it `may` move, and says why the hair may not
+    /// lie so, if it may not.
+    fn settle_drawn(
+        &self,
+        skin: &Skin,
+        old: &[Vec3],
+        new: &mut [Vec3],
+        may: impl Fn(usize) -> bool,
+        depth: impl Fn(usize) -> f32,
+    ) -> Result<(), Left> {
+        let moved = |k: usize| may(k) || may(k + 1);
+        let cleared = skin.clear_drawn(new, &may, &depth);
+        if let Some(home) =
+            self.scalp.and_then(|scalp| scalp.home(old[0])).filter(|_| self.policy.own_section)
+        {
             leads_over(&home, old, new)?;
         }
-        is_out(&skin, old, new, &depth)
+        is_out(skin, old, new, &depth)?;
+        // What dipped before may still.
+        let worst = |points: &[Vec3], asked: &dyn Fn(usize) -> bool| {
+            let mut worst = 0.0f32;
+            skin.dips(points, asked, &depth, |dip| worst = worst.max(dip.excess));
+            worst
+        };
+        if cleared {
+            let dips = worst(new, &moved);
+            if dips > 0.0 && dips > worst(old, &|_| true) + DIP {
+                return Err(Left::In);
+            }
+        }
+        Ok(())
     }
 
     /// A new point of a hair that lies as it lay: between two others it may dip deeper into the skin than `depth` (cm).

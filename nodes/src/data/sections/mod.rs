@@ -19,6 +19,7 @@ use super::cut::{Cut, cut};
 pub(crate) use super::lines::off_the_scalp;
 use super::mesh_cut::MeshCut;
 use super::scalp::{Root, Scalp};
+use crate::maths::drawn_span::bent;
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
 pub use handle::Sections;
@@ -216,9 +217,10 @@ impl Sections {
     pub(crate) fn last_passed(&self, n: usize, hair: impl Fn(usize) -> Vec3) -> Option<usize> {
         self.seen().last_passed(n, hair, 0.0)
     }
-    /// Whether a hair crosses a parting, at most a quarter of a centimetre off it.
+    /// Whether a hair, as it is drawn through its points, crosses a parting, at most a quarter of a centimetre off it.
     pub(crate) fn is_over_line(&self, hair: &[Vec3]) -> bool {
-        self.last_passed(hair.len(), |k| hair[k]).is_some()
+        let drawn = bent(hair);
+        self.last_passed(drawn.len(), |k| drawn[k]).is_some()
     }
     /// The segment of a parting whose bare skin is nearest to a point of the scalp, and half its width.
     pub(super) fn nearest_piece(&self, p: Vec3) -> Option<([Vec3; 2], f32)> {
