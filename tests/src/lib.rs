@@ -1,5 +1,6 @@
 //! What whole-program tests share: the program itself, the heads they run on, and how they say that they cannot run.
 
+pub mod judge;
 pub mod screen;
 #[cfg(unix)]
 pub mod tablet;
@@ -77,7 +78,7 @@ pub fn smooth_heads(test: &str) -> impl Iterator<Item = RealHead> {
 
 /// One of these heads, another for each number in turn, so that many grooms together meet all of them; all where `COIF_LONG` is set
 /// (`tests/run.sh --long`).
-pub fn one_of(heads: &[RealHead], number: usize) -> impl Iterator<Item = &RealHead> {
+pub fn one_of<T>(heads: &[T], number: usize) -> impl Iterator<Item = &T> {
     let all = heads.len();
     let some = if std::env::var_os("COIF_LONG").is_some() { all } else { all.min(1) };
     (0..some).map(move |k| &heads[(number + k) % all])

@@ -14,3 +14,4 @@ mod packs;
 mod pages;
 mod shipped;
 mod sketches;
+mod skin;
