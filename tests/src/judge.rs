@@ -73,6 +73,8 @@ pub struct Found {
     pub hairs: usize,
     /// Their samples.
     pub samples: usize,
+    /// Places of the curves that had to be looked at for that.
+    pub looked: usize,
     /// Samples that are too deep.
     pub deep: usize,
     /// Hairs with such samples.
@@ -101,6 +103,7 @@ impl Found {
         Self {
             hairs: self.hairs + other.hairs,
             samples: self.samples + other.samples,
+            looked: self.looked + other.looked,
             deep: self.deep + other.deep,
             deep_hairs: self.deep_hairs + other.deep_hairs,
             deepest: worse(self.deepest, other.deepest),
@@ -290,7 +293,8 @@ impl<'a> Bout<'a> {
     }
 
     /// Looks at a place, beside others that were looked at.
-    fn look(&self, along: f64, beside: &[&Seen]) -> Seen {
+    fn look(&mut self, along: f64, beside: &[&Seen]) -> Seen {
+        self.found.looked += 1;
         let p = self.curve.point(along);
         let near = self.skin.nearest(p, beside.first().map_or(0, |seen| seen.near.triangle));
         // No triangle is between, so only what spans a hole is.

@@ -73,6 +73,7 @@ fn inside_and_nearest_are_what_looking_at_every_triangle_finds() {
         for p in strewn(60, 12.0) {
             let (quick, all) = (skin.winding(p), skin.winding_by_all(p));
             assert!((quick - all).abs() < 1e-3, "{p}: {quick} for {all}");
+            assert_eq!(skin.is_inside(p), all > 0.5, "{p}: {all}");
             assert_eq!(skin.nearest(p, 0).distance, skin.nearest_by_all(p).distance, "{p}");
         }
     }
@@ -105,7 +106,9 @@ fn a_curve_that_dives_between_points_that_lie_outside_is_found_and_its_deepest_p
     check("", sagitta);
     check(" float[] primvars:allow_depth = [0.1] (interpolation = \"constant\")", sagitta - 0.1);
     check(" float[] primvars:allow_depth = [0.2] (interpolation = \"uniform\")", sagitta - 0.2);
-    check(" float[] primvars:allow_depth = [0, 0.2] (interpolation = \"vertex\")", sagitta - 0.1);
+    let sloping = |t: f64| straight[0].lerp(straight[1], t).length() + 0.2 * t;
+    let sloping = (0..=1000).map(|k| 9.0 - sloping(f64::from(k) / 1e3)).fold(0.0, f64::max);
+    check(" float[] primvars:allow_depth = [0, 0.2] (interpolation = \"vertex\")", sloping);
     check(" float[] primvars:allow_depth = [0.32] (interpolation = \"constant\")", 0.0);
     // A smooth one keeps to the ball between its points.
     let found = judge.judge(&skin, &read(&[&around(9.0, 20)], ""));
