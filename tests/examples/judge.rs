@@ -7,9 +7,8 @@
 
 use coif_graphs::grooms;
 use coif_graphs::schedule::run::Evaluator;
-use coif_nodes::data::scalp::HeadFrame;
 use coif_nodes::eval::Quality;
-use coif_tests::judge::{Found, Judge, Made, Place, make, region};
+use coif_tests::judge::{Judge, Made, Place, make, region};
 use coif_tests::{HEADS, SCAN, shared};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -142,11 +141,14 @@ fn judge(asked: &Asked) -> ExitCode {
 /// Judges one and prints it; gives whether it holds.
 fn line(hair: &str, head: &str, made: &Made, judge: &Judge, took: f64) -> bool {
     let began = Instant::now();
-    let found = made.curves.iter().map(|curves| judge.judge(&made.skin, curves));
-    let found = found.fold(Found::default(), Found::and);
-    let (by, place) = told(found.deepest, &made.frame);
-    let (off, root) = told(found.farthest, &made.frame);
+    let found = judge.judge(&made.skin, &made.curves);
+    let (by, place) = told(found.deepest, made);
+    let (off, root) = told(found.farthest, made);
     let off = if found.off > 0 { format!("{} {off} {root}", found.off) } else { "0".to_owned() };
+    let off = match found.rootless {
+        0 => off,
+        rootless => format!("{off}, {rootless} rootless"),
+    };
     let astray = if made.astray > 0 { format!(", {} astray", made.astray) } else { String::new() };
     println!(
         "{hair:<28} {head:<10} {:>7} {:>9} {:>7} {:>7} {by:>7}  {place:<45} {off}{astray}; {took:.1} + {:.1}",
@@ -160,14 +162,16 @@ fn line(hair: &str, head: &str, made: &Made, judge: &Judge, took: f64) -> bool {
 }
 
 /// How much, and where.
-fn told(place: Option<Place>, frame: &HeadFrame) -> (String, String) {
+fn told(place: Option<Place>, made: &Made) -> (String, String) {
     let Some(Place { by, hair, at, along, spans }) = place else {
         return ("-".to_owned(), String::new());
     };
     let [x, y, z] = at.to_array();
+    let [prim, hair] = hair;
+    let path = made.curves[prim].path.rsplit('/').next().unwrap_or("");
     let text = format!(
-        "{} ({x:.2}, {y:.2}, {z:.2}) hair {hair} at {along:.1} of {spans}",
-        region(at, frame)
+        "{} ({x:.2}, {y:.2}, {z:.2}) {path} {hair} at {along:.1} of {spans}",
+        region(at, &made.frame)
     );
     (format!("{by:.3}"), text)
 }

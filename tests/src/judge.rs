@@ -56,8 +56,8 @@ impl Default for Judge {
 pub struct Place {
     /// How deep beyond what is allowed, or how far off, cm.
     pub by: f64,
-    /// The hair's number in its prim.
-    pub hair: usize,
+    /// The number of the prim, and the hair's in it.
+    pub hair: [usize; 2],
     /// Where it is, cm.
     pub at: DVec3,
     /// Where on the curve: the span, and how far in it.
@@ -81,6 +81,8 @@ pub struct Found {
     pub deep_hairs: usize,
     /// The deepest place, where it is too deep.
     pub deepest: Option<Place>,
+    /// Hairs that have no root.
+    pub rootless: usize,
     /// Roots farther than [`ROOT`] from the surface.
     pub off: usize,
     /// The farthest of these.
@@ -107,6 +109,7 @@ impl Found {
             deep: self.deep + other.deep,
             deep_hairs: self.deep_hairs + other.deep_hairs,
             deepest: worse(self.deepest, other.deepest),
+            rootless: self.rootless + other.rootless,
             off: self.off + other.off,
             farthest: worse(self.farthest, other.farthest),
         }
@@ -114,15 +117,21 @@ impl Found {
 }
 
 impl Judge {
-    /// Judges the curves of a prim.
-    pub fn judge(&self, skin: &Soup, curves: &ReadCurves) -> Found {
+    /// Judges the curves of all prims.
+    pub fn judge(&self, skin: &Soup, prims: &[ReadCurves]) -> Found {
+        let all = prims.iter().enumerate().map(|(prim, curves)| self.prim(skin, prim, curves));
+        all.fold(Found::default(), Found::and)
+    }
+
+    fn prim(&self, skin: &Soup, prim: usize, curves: &ReadCurves) -> Found {
         let mut firsts = vec![0usize];
         firsts.extend(curves.counts.iter().scan(0, |sum, count| {
             *sum += *count as usize;
             Some(*sum)
         }));
-        let allowed = Values::of(curves, "allow_depth");
-        let fed = Values::of(curves, "fed");
+        let allowed = Values::of(curves, "allow_depth", 0.0);
+        let fed = Values::of(curves, "fed", 0.0);
+        let triangle = Values::of(curves, "skinprim", -1.0);
         let hairs: Vec<usize> = (0..curves.counts.len()).step_by(self.every.max(1)).collect();
         let parts: Vec<&[usize]> = hairs.chunks(AT_ONCE).collect();
         let one = |part: &[usize]| {
@@ -131,7 +140,9 @@ impl Judge {
                 let range = firsts[*hair]..firsts[*hair + 1];
                 let points = curves.points[range.clone()].iter().map(|p| p.as_dvec3());
                 bout.curve.set(points, range.map(|k| allowed.at(*hair, k)));
-                bout.hair(*hair, fed.at(*hair, firsts[*hair]) == 0.0);
+                let first = firsts[*hair];
+                let is_rooted = fed.at(*hair, first) == 0.0 && triangle.at(*hair, first) >= 0.0;
+                bout.hair([prim, *hair], is_rooted);
             }
             bout.found
         };
@@ -156,7 +167,7 @@ impl Judge {
     }
 }
 
-/// A primvar of numbers: one for all, one a curve or one a point; 0 where there is none.
+/// A primvar of numbers: one for all, one a curve or one a point; what is taken where there is none is one for all.
 enum Values {
     One(f64),
     Curve(Vec<f64>),
@@ -164,9 +175,9 @@ enum Values {
 }
 
 impl Values {
-    fn of(curves: &ReadCurves, name: &str) -> Self {
+    fn of(curves: &ReadCurves, name: &str, else_all: f64) -> Self {
         let Some(primvar) = curves.primvars.iter().find(|primvar| primvar.name == name) else {
-            return Self::One(0.0);
+            return Self::One(else_all);
         };
         let all: Vec<f64> = match &primvar.values {
             ReadValues::Float(all) => all.iter().map(|x| f64::from(*x)).collect(),
@@ -283,13 +294,13 @@ struct Bout<'a> {
     open: Vec<(usize, Seen, usize, Seen)>,
     finer: Vec<(Seen, Seen)>,
     found: Found,
-    number: usize,
+    number: [usize; 2],
 }
 
 impl<'a> Bout<'a> {
     fn new(skin: &'a Soup, tolerance: f64) -> Self {
         let (curve, found) = (Drawn::default(), Found::default());
-        Self { skin, tolerance, curve, open: vec![], finer: vec![], found, number: 0 }
+        Self { skin, tolerance, curve, open: vec![], finer: vec![], found, number: [0; 2] }
     }
 
     /// Looks at a place, beside others that were looked at.
@@ -297,11 +308,11 @@ impl<'a> Bout<'a> {
         self.found.looked += 1;
         let p = self.curve.point(along);
         let near = self.skin.nearest(p, beside.first().map_or(0, |seen| seen.near.triangle));
-        // No triangle is between, so only what spans a hole is.
+        // Balls about both reach no triangle: only what spans a hole may be between.
         let is_one_side = |seen: &&&Seen| {
             let off = seen.p.distance(p);
             seen.side != Side::Either
-                && off < near.distance.max(seen.near.distance)
+                && off < near.distance + seen.near.distance
                 && !self.skin.spans(0.5 * (seen.p + p), 0.5 * off)
         };
         let side = if near.distance <= 0.5 * self.tolerance {
@@ -328,7 +339,7 @@ impl<'a> Bout<'a> {
         self.skin.spans(0.5 * (a.p + b.p), 0.5 * (b.way - a.way))
     }
 
-    fn hair(&mut self, number: usize, is_rooted: bool) {
+    fn hair(&mut self, number: [usize; 2], is_rooted: bool) {
         self.number = number;
         self.found.hairs += 1;
         let spans = self.curve.spans();
@@ -341,6 +352,7 @@ impl<'a> Bout<'a> {
         let before = self.found.deep;
         let root = self.look(0.0, &[]);
         let tip = self.look(at(last), &[]);
+        self.found.rootless += usize::from(!is_rooted);
         if is_rooted && root.near.distance > ROOT {
             self.found.off += 1;
             let place = self.place(&root, root.near.distance);

@@ -6,7 +6,7 @@ use coif_graphs::grooms;
 use coif_graphs::schedule::run::Evaluator;
 use coif_nodes::eval::Quality;
 use coif_nodes::formats::usd::read::{ReadCurves, read_stage};
-use coif_tests::judge::{Found, Judge, Soup, make, region};
+use coif_tests::judge::{Judge, Soup, make, region};
 use coif_tests::{one_of, smooth_heads};
 use glam::DVec3;
 use std::path::Path;
@@ -56,7 +56,7 @@ fn read(points: &[&[DVec3]], more: &str) -> ReadCurves {
     let text = format!(
         "#usda 1.0\n(\n metersPerUnit = 0.01\n upAxis = \"Y\"\n)\ndef BasisCurves \"hair\" {{\n uniform token type = \"cubic\"\n \
          uniform token basis = \"catmullRom\"\n uniform token wrap = \"pinned\"\n int[] curveVertexCounts = [{counts}]\n point3f[] \
-         points = [{all}]\n{more}\n}}\n"
+         points = [{all}]\n int[] primvars:skinprim = [0] (interpolation = \"constant\")\n{more}\n}}\n"
     );
     let nothing = &mut |_: &str| Err("there is nothing beside it".to_owned());
     let read = read_stage(text.as_bytes(), "hair.usda", nothing).unwrap();
@@ -97,7 +97,7 @@ fn a_curve_that_dives_between_points_that_lie_outside_is_found_and_its_deepest_p
     let straight = [around(9.0, 3)[0], around(9.0, 3)[2]];
     let sagitta = 9.0 * (1.0 - 15f64.to_radians().cos());
     let check = |more: &str, by: f64| {
-        let found = judge.judge(&skin, &read(&[&straight], more));
+        let found = judge.judge(&skin, &[read(&[&straight], more)]);
         let deepest = found.deepest.map_or(0.0, |place| place.by);
         assert!((deepest - by).abs() < 2e-3, "{more}: {found:?} for {by}");
         assert_eq!((found.hairs, found.samples, found.off), (1, 11, 0), "{more}");
@@ -111,12 +111,12 @@ fn a_curve_that_dives_between_points_that_lie_outside_is_found_and_its_deepest_p
     check(" float[] primvars:allow_depth = [0, 0.2] (interpolation = \"vertex\")", sloping);
     check(" float[] primvars:allow_depth = [0.32] (interpolation = \"constant\")", 0.0);
     // A smooth one keeps to the ball between its points.
-    let found = judge.judge(&skin, &read(&[&around(9.0, 20)], ""));
+    let found = judge.judge(&skin, &[read(&[&around(9.0, 20)], "")]);
     assert!(
         found.deepest.is_some_and(|place| place.along < 1.0 || place.along > 18.0),
         "{found:?}"
     );
-    let found = judge.judge(&skin, &read(&[&around(9.1, 20)], ""));
+    let found = judge.judge(&skin, &[read(&[&around(9.1, 20)], "")]);
     assert_eq!((found.deepest, found.off, found.hairs), (None, 1, 1));
     // Its second point lies outside, and the curve dives behind it.
     let hook = [DVec3::Y * 9.0, DVec3::new(0.4, 9.02, 0.0), DVec3::new(0.5, 12.0, 0.0)];
@@ -131,7 +131,7 @@ fn a_curve_that_dives_between_points_that_lie_outside_is_found_and_its_deepest_p
         (0..=10_000).map(|k| 9.0 - at(f64::from(k) / 1e4).length()).fold(0.0, f64::max)
     };
     assert!(dense > 0.05, "{dense}");
-    let found = judge.judge(&skin, &read(&[&hook], ""));
+    let found = judge.judge(&skin, &[read(&[&hook], "")]);
     assert!((found.deepest.unwrap().by - dense).abs() < 2e-3, "{found:?} for {dense}");
 }
 
@@ -142,12 +142,13 @@ fn roots_off_the_skin_are_counted_but_for_hair_that_was_fed() {
     let on = |radius: f64| [DVec3::Y * radius, DVec3::Y * (radius + 1.0)];
     let all = [on(9.0), on(9.0005), on(9.002), on(9.3)];
     let all: Vec<&[DVec3]> = all.iter().map(|curve| &curve[..]).collect();
-    let found = Judge::default().judge(&skin, &read(&all, ""));
-    assert_eq!((found.hairs, found.off, found.deepest), (4, 2, None));
+    let found = Judge::default().judge(&skin, &[read(&all, "")]);
+    assert_eq!((found.hairs, found.rootless, found.off, found.deepest), (4, 0, 2, None));
     let farthest = found.farthest.unwrap();
-    assert!(farthest.hair == 3 && (farthest.by - 0.3).abs() < 1e-3, "{farthest:?}");
+    assert!(farthest.hair == [0, 3] && (farthest.by - 0.3).abs() < 1e-3, "{farthest:?}");
     let fed = " int[] primvars:fed = [0, 0, 0, 1] (interpolation = \"uniform\")";
-    assert_eq!(Judge::default().judge(&skin, &read(&all, fed)).off, 1);
+    let found = Judge::default().judge(&skin, &[read(&all, fed)]);
+    assert_eq!((found.rootless, found.off), (1, 1));
 }
 
 #[test]
@@ -155,7 +156,7 @@ fn under_an_open_neck_nothing_is_too_deep_and_above_it_what_is_inside() {
     let (points, triangles) = ball(9.0, -3.0);
     let skin = Soup::new(&points, &triangles).unwrap();
     let check = |from: DVec3, to: DVec3, deep: Option<f64>| {
-        let found = Judge::default().judge(&skin, &read(&[&[from, to]], ""));
+        let found = Judge::default().judge(&skin, &[read(&[&[from, to]], "")]);
         let by = found.deepest.map(|place| place.by);
         let is = by.is_some() == deep.is_some();
         assert!(is && (by.unwrap_or(0.0) - deep.unwrap_or(0.0)).abs() < 0.2, "{found:?}");
@@ -180,26 +181,31 @@ fn on_heads(test: &str, all: &[(&str, &str)], first: usize) {
             let mesh = head.map(|head| Path::new(&head.mesh));
             let made = make(text, Path::new(""), mesh, Quality::Preview, &evaluator);
             let made = made.unwrap_or_else(|err| panic!("{name} on {on}: {err}"));
-            let found = made.curves.iter().map(|curves| judge.judge(&made.skin, curves));
-            let found = found.fold(Found::default(), Found::and);
+            let found = judge.judge(&made.skin, &made.curves);
             assert!(found.hairs > 0, "{name} on {on}");
             if let Some(place) = found.deepest {
                 wrong.push(format!(
-                    "{name} on {on}: {} of {} hairs too deep, the deepest by {:.3} cm: {} {:.2}, hair {} at {:.1} of {}",
+                    "{name} on {on}: {} of {} hairs too deep, the deepest by {:.3} cm: {} {:.2}, {} hair {} at {:.1} of {}",
                     found.deep_hairs,
                     found.hairs,
                     place.by,
                     region(place.at, &made.frame),
                     place.at,
-                    place.hair,
+                    made.curves[place.hair[0]].path,
+                    place.hair[1],
                     place.along,
                     place.spans
                 ));
             }
             if let Some(place) = found.farthest {
                 wrong.push(format!(
-                    "{name} on {on}: {} of {} roots off the skin, the farthest by {:.4} cm: {:.2}, hair {}",
-                    found.off, found.hairs, place.by, place.at, place.hair
+                    "{name} on {on}: {} of {} roots off the skin, the farthest by {:.4} cm: {:.2}, {} hair {}",
+                    found.off,
+                    found.hairs,
+                    place.by,
+                    place.at,
+                    made.curves[place.hair[0]].path,
+                    place.hair[1]
                 ));
             }
         }
