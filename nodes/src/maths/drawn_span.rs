@@ -54,6 +54,14 @@ impl DrawnSpan {
         (self.at(hi) - self.at(lo)).normalize_or_zero()
     }
 
+    /// How far (cm) a part of it, a share `dt` of its parameter long, leaves the straight line between its ends at most.
+    pub fn leaves_chord(&self, dt: f32) -> f32 {
+        let Self([a, b, c, d]) = self;
+        let (from, to) =
+            (*a * 2.0 - *b * 5.0 + *c * 4.0 - *d, *c * -5.0 - *a + *b * 4.0 + *d * 2.0);
+        from.length_squared().max(to.length_squared()).sqrt() * (dt * dt / 8.0)
+    }
+
     /// Middle and radius of a ball that holds the span: that of its Bezier points.
     pub fn ball(&self) -> (Vec3, f32) {
         let Self([a, b, c, d]) = self;
@@ -138,6 +146,17 @@ mod tests {
                         && span.at(1.0).distance(cvs[k + 1]) < 1e-6
                 );
                 let (middle, radius) = span.ball();
+                for (from, dt) in [(0.0, 1.0), (0.25, 0.5), (0.7, 0.1)] {
+                    let chord = |t: f32| span.at(from).lerp(span.at(from + dt), t);
+                    let off = |n: u32| {
+                        let t = n as f32 / 40.0;
+                        let ends = [span.at(from), span.at(from + dt)];
+                        let p = span.at(from + dt * t);
+                        crate::maths::nearest_on(ends, p).0.distance(p).min(chord(t).distance(p))
+                    };
+                    let most = (0..=40).map(off).fold(0.0, f32::max);
+                    assert!(most <= span.leaves_chord(dt) + 1e-5, "{id}: {most}");
+                }
                 for n in 0..=200 {
                     let p = span.at(n as f32 / 200.0);
                     assert!(p.distance(middle) <= radius + 1e-5);

@@ -137,7 +137,7 @@ impl Skin<'_> {
             while open > 0 {
                 open -= 1;
                 let (a, b, halved) = halves[open];
-                if halved == HALVINGS || !bends(&a, &b) {
+                if halved == HALVINGS || !bends(&a, &b, span.leaves_chord(b.t - a.t)) {
                     continue;
                 }
                 let middle = sample((a.t + b.t) * 0.5, 0.25 * a.at.distance(b.at));
@@ -176,7 +176,8 @@ impl Skin<'_> {
     fn way_from(&self, p: Vec3, distance: f32, hit: &Hit) -> Vec3 {
         match distance.abs() > 1e-3 {
             true => (p - hit.point) / distance,
-            false => self.smooth_normal(hit),
+            // That of the face: a smooth normal would hide a ridge beside it.
+            false => self.surface.face_normal(hit.triangle),
         }
     }
 
@@ -262,17 +263,18 @@ impl Skin<'_> {
     }
 }
 
-/// Whether the skin may come nearer between two samples than at both by so much that it is too near.
-fn bends(a: &Sample, b: &Sample) -> bool {
+/// Whether the curve, which leaves the straight line between two samples by no more than `aside` (cm), may come so much nearer to the skin
+/// between them than at both that it is too near: the skin rises by no more than a ridge does whose two sides they lie on.
+fn bends(a: &Sample, b: &Sample, aside: f32) -> bool {
     let apart = a.at.distance(b.at);
     // What is farther off than the curve is long there is not met.
-    if a.distance + b.distance > apart {
+    if a.distance + b.distance > apart + 2.0 * aside {
         return false;
     }
     let excess = a.excess.max(b.excess);
     match (a.way, b.way) {
-        (Some(one), Some(other)) => excess + 0.25 * apart * one.distance(other) > DIP,
-        _ => excess + 0.5 * apart > DIP,
+        (Some(one), Some(other)) => excess + aside + 0.25 * apart * one.distance(other) > DIP,
+        _ => excess + aside + 0.5 * apart > DIP,
     }
 }
 
