@@ -62,6 +62,46 @@ fn bytes_are_those_of_the_last_release() {
 }
 
 #[test]
+fn equal_arrays_are_in_a_crate_file_once() {
+    let (strands, guides) = sample();
+    let size = |stage: &GroomStage| {
+        let mut crate_file = Cursor::new(vec![]);
+        write_usdc(stage, &mut crate_file).unwrap();
+        crate_file.into_inner().len()
+    };
+    // Arrays that no layout shares by itself: as they lie in memory, packed integers, floats of a table, and one uv a curve.
+    let stage = sample_stage(&strands, &guides);
+    for at in [0, 1, 2, 4, 5, 6] {
+        let mut twice = sample_stage(&strands, &guides);
+        let mut again = sample_stage(&strands, &guides).groups.remove(0).primvars.remove(at);
+        again.name += "_again";
+        let name = again.name.clone();
+        twice.groups[0].primvars.push(again);
+        let more = size(&twice) - size(&stage);
+        assert!(more < 160, "{name}: {more} bytes");
+    }
+    // An array of another type is another, whatever its bits.
+    let zeros = |values| {
+        let primvar = |name: &str, values| {
+            let interpolation = Interpolation::Uniform;
+            Primvar { name: name.into(), interpolation, values }
+        };
+        let ints = PrimvarValues::Int(vec![0; 40].into());
+        CurveSet {
+            counts: vec![2; 40].into(),
+            points: vec![Vec3::ONE; 80].into(),
+            primvars: vec![primvar("ints", ints), primvar("others", values)],
+            ..two_points()
+        }
+    };
+    let mut crate_file = Cursor::new(vec![]);
+    write_usdc(&one_set(zeros(PrimvarValues::Float(vec![0.0; 40].into()))), &mut crate_file)
+        .unwrap();
+    let read = read_curves(crate_file.get_ref(), "usdc").unwrap();
+    assert_eq!(read[0].primvars[1].values, ReadValues::Float(vec![0.0; 40]));
+}
+
+#[test]
 fn how_values_are_cut_into_chunks_does_not_show() {
     let (strands, guides) = sample();
     let cut = both_forms(&sample_stage(&strands, &guides));

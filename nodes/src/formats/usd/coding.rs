@@ -21,6 +21,9 @@ pub(super) const COMPRESSED: u64 = 1 << 61;
 /// The bits of a value representation that hold its payload.
 pub(super) const PAYLOAD: u64 = (1 << 48) - 1;
 
+/// Arrays shorter than this are never compressed: readers of OpenUSD expect that.
+pub(super) const SHORTEST_COMPRESSED: usize = 16;
+
 /// Type numbers of crate files, those that this module reads or writes.
 pub(super) mod kind {
     pub(crate) const BOOL: u8 = 1;

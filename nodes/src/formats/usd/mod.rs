@@ -5,6 +5,7 @@
 //! it finds stand for is [`form`]'s. Both ways are our own.
 
 mod coding;
+mod float_table;
 pub mod form;
 pub mod groom;
 pub mod read;

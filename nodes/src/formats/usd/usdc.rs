@@ -10,13 +10,16 @@
 //! the tree is walked, so only the small tables stay in memory; the header is patched at the end.
 //!
 //! Guaranteed: the same layer gives the same bytes. Integer arrays and float arrays of few distinct
-//! values are compressed with the rules of OpenUSD; other arrays lie as they are in memory.
+//! values are compressed with the rules of OpenUSD; other arrays lie as they are in memory. Arrays of
+//! one type that are equal are in the file once. Arrays are equal if their XXH3 of 128 bits are.
 //! Not promised: the bytes OpenUSD would write, and use on big-endian machines.
 
 use super::super::{Chunks, FormatError};
 use super::coding::{
-    ARRAY, COMPRESSED, INLINED, PAYLOAD, Width, kind, lz4_pack, pack_ints, spec_kind,
+    ARRAY, COMPRESSED, INLINED, PAYLOAD, SHORTEST_COMPRESSED, Width, kind, lz4_pack, pack_ints,
+    spec_kind,
 };
+use super::float_table::FloatTable;
 use super::spec::{
     AttributeSpec, MetadataField, PrimSpec, PropertySpec, UsdLayer, UsdValue, Variability,
     check_text,
@@ -24,13 +27,10 @@ use super::spec::{
 use bytemuck::NoUninit;
 use std::collections::HashMap;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
+use xxhash_rust::xxh3::Xxh3;
 
 /// Bytes of the header, the place of the first value.
 const HEADER: usize = 88;
-/// Arrays shorter than this are never compressed: readers of OpenUSD expect that.
-const SHORTEST_COMPRESSED: usize = 16;
-/// Most entries in the table of distinct floats, as in OpenUSD.
-const LONGEST_FLOAT_TABLE: usize = 1024;
 /// Output is handed on in pieces of this many bytes.
 const BUFFER: usize = 1 << 18;
 
@@ -107,6 +107,8 @@ struct CrateWriter<W: Write> {
     fields: Vec<(u32, u64)>,
     field_numbers: HashMap<(u32, u64), u32>,
     field_sets: Vec<i64>,
+    /// Representations of the arrays written so far, by type and content.
+    arrays: HashMap<(u8, u128), u64>,
     /// Path, field set and kind of each spec.
     specs: [Vec<i64>; 3],
 }
@@ -126,6 +128,7 @@ impl<W: Write> CrateWriter<W> {
             fields: Vec::new(),
             field_numbers: HashMap::new(),
             field_sets: Vec::new(),
+            arrays: HashMap::new(),
             specs: Default::default(),
         }
     }
@@ -377,15 +380,21 @@ impl<W: Write> CrateWriter<W> {
             UsdValue::Asset(path) => Self::inlined(kind::ASSET, self.token(path)?),
             UsdValue::Vec2f(value) => self.scalar(kind::VEC2F, value)?,
             UsdValue::Vec3f(value) => self.scalar(kind::VEC3F, value)?,
-            UsdValue::Ints(values) => {
-                self.int_array(kind::INT, values, Width::Bits32, |&value| value as i64)?
+            UsdValue::Ints(values) => self.once(kind::INT, values, |file| {
+                file.int_array(kind::INT, values, Width::Bits32, |&value| value as i64)
+            })?,
+            UsdValue::Int64s(values) => self.once(kind::INT64, values, |file| {
+                file.int_array(kind::INT64, values, Width::Bits64, |&value| value)
+            })?,
+            UsdValue::Floats(values) => {
+                self.once(kind::FLOAT, values, |file| file.float_array(values))?
             }
-            UsdValue::Int64s(values) => {
-                self.int_array(kind::INT64, values, Width::Bits64, |&value| value)?
+            UsdValue::Vec2fs(values) => {
+                self.once(kind::VEC2F, values, |file| file.array(kind::VEC2F, values))?
             }
-            UsdValue::Floats(values) => self.float_array(values)?,
-            UsdValue::Vec2fs(values) => self.array(kind::VEC2F, values)?,
-            UsdValue::Vec3fs(values) => self.array(kind::VEC3F, values)?,
+            UsdValue::Vec3fs(values) => {
+                self.once(kind::VEC3F, values, |file| file.array(kind::VEC3F, values))?
+            }
             UsdValue::Tokens(texts) => self.text_array(kind::TOKEN, texts, Self::token)?,
             UsdValue::Strings(texts) => self.text_array(kind::STRING, texts, Self::string)?,
             UsdValue::TokensPrepended(texts) => self.prepended(texts)?,
@@ -405,6 +414,24 @@ impl<W: Write> CrateWriter<W> {
         self.put_u64(numbers.len() as u64)?;
         self.put(bytemuck::cast_slice(numbers))?;
         Ok(place)
+    }
+
+    /// The representation of an array: of an equal one that is there, else as `write` gives it.
+    fn once<T: NoUninit>(
+        &mut self,
+        kind: u8,
+        values: &Chunks<T>,
+        write: impl FnOnce(&mut Self) -> Result<u64, FormatError>,
+    ) -> Result<u64, FormatError> {
+        let mut hash = Xxh3::new();
+        values.slices().for_each(|slice| hash.update(bytemuck::cast_slice(slice)));
+        let content = (kind, hash.digest128());
+        if let Some(&there) = self.arrays.get(&content) {
+            return Ok(there);
+        }
+        let value = write(self)?;
+        self.arrays.insert(content, value);
+        Ok(value)
     }
 
     /// An array as it lies in memory.
@@ -604,69 +631,5 @@ impl<W: Write> CrateWriter<W> {
         let columns = std::mem::take(&mut self.specs);
         self.put_u64(columns[0].len() as u64)?;
         columns.iter().try_for_each(|column| self.put_packed_ints(column))
-    }
-}
-
-/// The distinct floats of an array, in order of first use, and each value's index among them.
-struct FloatTable {
-    floats: Vec<f32>,
-    indices: Vec<u16>,
-}
-
-impl FloatTable {
-    /// `None` when the array is short, or has too many distinct values for a table to pay: more than
-    /// a quarter of its length or [`LONGEST_FLOAT_TABLE`]. Distinct means by bits, so `-0.0` stays.
-    fn of(values: &Chunks<f32>) -> Option<Self> {
-        let count = values.len();
-        if count < SHORTEST_COMPRESSED {
-            return None;
-        }
-        let longest = LONGEST_FLOAT_TABLE.min(count / 4);
-        let mut slots = FloatSlots::new();
-        let mut floats: Vec<f32> = Vec::new();
-        let mut indices = Vec::new();
-        for &value in values.values() {
-            let index = slots.index_of(value, &mut floats);
-            if floats.len() > longest {
-                return None;
-            }
-            indices.push(index);
-        }
-        Some(Self { floats, indices })
-    }
-}
-
-/// An open hash table of at most [`LONGEST_FLOAT_TABLE`] + 1 floats, several times faster than a
-/// general one: a groom looks up a width for every point.
-struct FloatSlots {
-    /// One more than the index of the float in this slot, 0 for a free slot.
-    taken: Vec<u16>,
-}
-
-impl FloatSlots {
-    /// Four slots per float keep the runs of taken slots short.
-    const LOG2_SLOTS: u32 = 12;
-
-    fn new() -> Self {
-        Self { taken: vec![0; 1 << Self::LOG2_SLOTS] }
-    }
-
-    fn index_of(&mut self, value: f32, floats: &mut Vec<f32>) -> u16 {
-        // Knuth's multiplicative hash: the high bits are the mixed ones.
-        let hash = value.to_bits().wrapping_mul(0x9E37_79B1) >> (32 - Self::LOG2_SLOTS);
-        let mut slot = hash as usize;
-        loop {
-            match self.taken[slot] {
-                0 => {
-                    floats.push(value);
-                    self.taken[slot] = floats.len() as u16;
-                    return self.taken[slot] - 1;
-                }
-                taken if floats[taken as usize - 1].to_bits() == value.to_bits() => {
-                    return taken - 1;
-                }
-                _ => slot = (slot + 1) % self.taken.len(),
-            }
-        }
     }
 }

@@ -6,7 +6,8 @@
 
 use super::super::super::FormatError;
 use super::super::coding::{
-    ARRAY, COMPRESSED, INLINED, PAYLOAD, Width, decode_ints, kind, lz4_unpack, spec_kind,
+    ARRAY, COMPRESSED, INLINED, PAYLOAD, SHORTEST_COMPRESSED, Width, decode_ints, kind, lz4_unpack,
+    spec_kind,
 };
 use super::budget::ReadBudget;
 use super::text::arc_of;
@@ -608,8 +609,7 @@ impl<'a, 'b> CrateFile<'a, 'b> {
         count: u64,
     ) -> Result<ParsedValue, FormatError> {
         // Files say "compressed" of arrays too short to be so.
-        const SHORTEST: u64 = 16;
-        if count < SHORTEST {
+        if count < SHORTEST_COMPRESSED as u64 {
             return self.plain(element, cursor, count);
         }
         match (element.scalar, element.per) {
