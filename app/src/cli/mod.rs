@@ -92,7 +92,8 @@ enum Command {
     ///
     /// Curves are measured as their type, basis and wrap define them. Sublayers, references, payloads, selected variants and
     /// instances are followed into files of the same folder, below it, or of the same package; what is not read is said with the
-    /// report. A prim or curve that contradicts itself is named, the others are measured, and the exit code is 1.
+    /// report. A prim or curve that contradicts itself is named, the others are measured, and the exit code is 1; so it is for
+    /// Alembic objects whose curves are of a kind that is not read, such as NURBS.
     Measure(measure::MeasureArgs),
 }
 

@@ -592,7 +592,9 @@ mod tests {
             write(format, std::slice::from_ref(group), &[], &about, &mut file, &|| false).unwrap();
             let bytes = file.into_inner();
             match format {
-                Format::Abc => abc::read_curves(&bytes).map_err(|err| err.to_string()),
+                Format::Abc => abc::read_curves(&bytes)
+                    .map(|read| read.stage.curves)
+                    .map_err(|err| err.to_string()),
                 _ => super::super::usd::read::read_alone(&bytes, "usd"),
             }
             .unwrap()

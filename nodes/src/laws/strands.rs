@@ -5,7 +5,7 @@ use crate::data::curves::MOST_A_CURVE;
 use crate::formats::usd::form::Basis;
 use crate::maths::catmull_rom_agreement::AGREE;
 use crate::maths::drawn_span;
-use crate::maths::spline::Spline;
+use crate::maths::spline::{CurveFault, Spline};
 
 /// The most points of all hair of a groom.
 pub const MOST_POINTS: usize = 16_000_000;
@@ -19,7 +19,7 @@ pub struct Strands {
     pub points: usize,
     /// Fewest and most control points of a curve.
     pub points_a_curve: [usize; 2],
-    /// Smallest, middle and largest arc length, cm.
+    /// Smallest, middle and largest arc length, cm, of all curves that can be drawn; 0 of those without length.
     pub length_cm: [f32; 3],
     /// Smallest and largest diameter, cm.
     pub width_cm: Option<[f32; 2]>,
@@ -27,6 +27,8 @@ pub struct Strands {
     pub bounds: Option<[[f32; 3]; 2]>,
     /// Curves without length, or of a number of points that makes none.
     pub no_curve: usize,
+    /// Curves without length: all their points are at one place.
+    pub zero_length: usize,
     /// Largest ratio of two neighbouring segments' lengths.
     pub spacing_ratio: f32,
     /// Largest distance, cm, between the uniform and the centripetal reading of a curve; none where it is no Catmull-Rom spline.
@@ -37,6 +39,10 @@ impl Strands {
     /// Whether each has two points and a length.
     pub fn are_curves(&self) -> bool {
         self.no_curve == 0
+    }
+    /// Curves of a number of points that makes none.
+    pub fn undrawn(&self) -> usize {
+        self.no_curve - self.zero_length
     }
     /// Whether none has more points than engines take.
     pub fn are_short_enough(&self) -> bool {
@@ -62,6 +68,7 @@ pub fn measure(hair: &MeasuredHair) -> Strands {
     let corners = all.reduce(|(lo, hi), (low, high)| (lo.min(low), hi.max(high)));
     let counts = || (0..hair.len()).map(|i| hair.cv_count(i));
     let lengths = &shapes.lengths;
+    let zero_length = lengths.iter().filter(|length| **length == 0.0).count();
     Strands {
         curves: hair.len(),
         points: hair.cvs(),
@@ -69,7 +76,8 @@ pub fn measure(hair: &MeasuredHair) -> Strands {
         length_cm: [0.0, 0.5, 1.0].map(|q| quantile(lengths, q)),
         width_cm: hair.widths(),
         bounds: corners.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
-        no_curve: hair.len() - lengths.len(),
+        no_curve: hair.len() - lengths.len() + zero_length,
+        zero_length,
         spacing_ratio: shapes.spacing,
         reading_difference_cm: (hair.form().basis == Basis::CatmullRom)
             .then_some(shapes.difference),
@@ -90,10 +98,14 @@ impl Shapes {
             let mut out = Self { lengths: vec![], spacing: 1.0, difference: 0.0 };
             let mut spline = Spline::default();
             for i in part {
-                if hair.spline(i, &mut spline).is_err() {
-                    continue;
+                match hair.spline(i, &mut spline) {
+                    Ok(()) => out.lengths.push(spline.length()),
+                    Err(CurveFault::NoLength) => {
+                        out.lengths.push(0.0);
+                        continue;
+                    }
+                    Err(_) => continue,
                 }
-                out.lengths.push(spline.length());
                 out.difference = out.difference.max(hair.readings_differ(i));
                 let mut before = None;
                 hair.each_part(i, &spline, |b| {

@@ -18,7 +18,7 @@ fn both(name: &str, more: &[&str]) -> (Folder, Vec<ReadCurves>, Vec<ReadCurves>)
     let files = out.each_ref().map(|path| path.display().to_string());
     eval(name, &[&["--out", &files[0], "--out", &files[1]], more].concat());
     let usd = curves_in(&out[0]);
-    (folder, usd, abc::read_curves(&std::fs::read(&out[1]).unwrap()).unwrap())
+    (folder, usd, abc::read_curves(&std::fs::read(&out[1]).unwrap()).unwrap().stage.curves)
 }
 
 /// The last but one part of a path in Alembic, the last in USD: the name that people see.
@@ -56,6 +56,82 @@ fn measure_judges_alembic_as_it_judges_usd() {
     };
     let (usd, abc) = (laws(&out[0]), laws(&out[1]));
     assert!(!usd.is_empty() && usd == abc, "{usd:#?}\n{abc:#?}");
+}
+
+/// What `measure` gives of a file that Blender wrote: the exit code, its JSON, and its text.
+fn of_blender(test: &str, name: &str, more: &[&str]) -> Option<(i32, Json, String)> {
+    let file = coif_tests::shared(test, &format!("data/reported/3/{name}.abc"))?;
+    let file = file.display().to_string();
+    let words = [&["measure", &file][..], more].concat();
+    let (text, json) = (run(&words), run([&words[..], &["--json"]].concat()));
+    assert_eq!(text.code, json.code, "{}", text.err);
+    Some((json.code, serde_json::from_str(&json.out).unwrap(), text.out))
+}
+
+#[test]
+fn widths_of_blender_are_those_of_points_and_its_metres_are_told() {
+    let test = "widths_of_blender_are_those_of_points_and_its_metres_are_told";
+    let Some((code, all, text)) = of_blender(test, "blender_width", &[]) else { return };
+    assert_eq!(code, 0, "{text}");
+    let near = |json: &Json, cm: f64| (json.as_f64().unwrap() - cm).abs() < 1e-4;
+    let widths = &all[0]["width_cm"];
+    assert!(near(&widths[0], 0.2) && near(&widths[1], 4.0), "{widths}");
+    assert_eq!(all[0]["notes"], serde_json::json!([]));
+    let unit = serde_json::json!({"cm": 100.0, "by": "application", "application": "Blender"});
+    assert_eq!(all[0]["unit"], unit);
+    assert!(
+        text.starts_with(
+            "unit: not declared (Alembic has none); metres are taken, as Blender writes."
+        ),
+        "{text}"
+    );
+    // What is asked for goes before.
+    let (_, all, text) = of_blender(test, "blender_width", &["--unit", "cm"]).unwrap();
+    assert!(
+        near(&all[0]["width_cm"][1], 0.04) && text.starts_with("unit: centimetres, as --unit says"),
+        "{text}"
+    );
+}
+
+#[test]
+fn curves_of_a_kind_that_is_not_read_hide_no_others() {
+    let test = "curves_of_a_kind_that_is_not_read_hide_no_others";
+    let read = of_blender(test, "blender_nurbs_beside_others", &[]);
+    let Some((code, all, text)) = read else { return };
+    assert_eq!(code, 1, "{text}");
+    let found: Vec<(&str, f64)> = all
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|prim| (prim["path"].as_str().unwrap(), prim["length_cm"][1].as_f64().unwrap()))
+        .collect();
+    let [("/BEZIER/BEZIER", bezier), ("/POLY/POLY", poly)] = found[..] else { panic!("{found:?}") };
+    assert!((bezier - 20.48).abs() < 0.01 && (poly - 30.88).abs() < 0.01, "{found:?}");
+    // A handle has no width: Blender writes one a point on the curve.
+    assert!(all[0]["width_cm"].is_array() && all[1]["width_cm"].is_array(), "{all:#}");
+    assert!(text.contains("not read: /NURBS/NURBS: curves: curveBasisAndType: NURBS"), "{text}");
+}
+
+#[test]
+fn the_unit_of_alembic_is_told_by_the_head_first() {
+    let folder = Folder::new("alembic-unit");
+    let out = folder.path("groom.abc").display().to_string();
+    eval("start", &["--out", &out]);
+    let unit = |words: &[&str]| {
+        let ran = run([&["measure", &out, "--json"][..], words].concat());
+        let all: Json = serde_json::from_str(&ran.out).unwrap();
+        (all[0]["unit"].clone(), all[0]["length_cm"][2].as_f64().unwrap())
+    };
+    let (by_us, long) = unit(&[]);
+    assert!(by_us["by"] == "application" && by_us["cm"] == 1.0, "{by_us}");
+    let (by_head, again) = unit(&["--scalp", "builtin"]);
+    assert!(by_head["by"] == "head" && by_head["cm"] == 1.0 && again == long, "{by_head}");
+    let (asked, inches) = unit(&["--unit", "in"]);
+    assert!(asked["by"] == "option" && (inches / long - 2.54).abs() < 1e-4, "{asked} {inches}");
+    let usd = folder.path("groom.usda").display().to_string();
+    eval("start", &["--out", &usd]);
+    let ran = run(["measure", &usd, "--unit", "m"]);
+    assert!(ran.code == 2 && ran.err.contains("--unit is for .abc files"), "{}", ran.err);
 }
 
 #[test]

@@ -142,6 +142,11 @@ fn the_page_on_reports_has_every_field_of_reports_and_measures_and_no_other() {
     std::fs::write(&file, text).expect("it is written");
     let ran = run(["measure".as_ref(), file.as_os_str(), "--json".as_ref()]);
     fields(&serde_json::from_str(&ran.out).expect("JSON"), "", &mut found);
+    // Of one that declares no unit.
+    let file = folder.path("groom.abc").display().to_string();
+    eval("start", &["--quality", "preview", "--out", &file]);
+    let ran = run(["measure", &file, "--json"]);
+    fields(&serde_json::from_str(&ran.out).expect("JSON"), "", &mut found);
     let unknown: Vec<&String> = found.difference(&page).collect();
     assert!(unknown.is_empty(), "not on the page: {unknown:?}");
     // Pictures need a driver, and are on the page.

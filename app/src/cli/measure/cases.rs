@@ -2,6 +2,7 @@
 
 use super::report::{DEEPER, Measured, ROOTED};
 use super::*;
+use coif_nodes::laws::strands::Strands;
 use coif_nodes::maths::transcendental::{cos, sin};
 use std::f32::consts::TAU;
 
@@ -153,8 +154,10 @@ fn only_catmull_rom_curves_have_two_readings() {
 fn counts_that_make_no_curve_are_told() {
     let check = |basis: &str, wrap: &str, n: usize, counts: &str| {
         let found = measured(&curve(basis, wrap, &up(0.0, n), "")).remove(0);
-        assert_eq!((found.strands.no_curve, found.notes.len()), (1, 1), "{basis} {wrap} {n}");
-        assert!(found.notes[0].contains(counts), "{}", found.notes[0]);
+        let told = &found.left_out[..];
+        assert_eq!((found.strands.no_curve, told.len()), (1, 1), "{basis} {wrap} {n}");
+        assert!(told[0].broken && told[0].reason.contains(counts), "{}", told[0].in_words());
+        assert_eq!((found.strands.undrawn(), found.strands.zero_length), (1, 0));
         assert!(!found.laws["every curve has two points and a length"]);
         assert_eq!(
             found.strands.bounds.is_some(),
@@ -177,6 +180,29 @@ fn counts_that_make_no_curve_are_told() {
     for n in 0..4 {
         check("bspline", "nonperiodic", n, "4 or more");
         check("catmullRom", "nonperiodic", n, "4 or more");
+    }
+}
+
+#[test]
+fn a_curve_without_length_is_one_of_length_0() {
+    // Of four points at one place each; one of 4 cm beside them.
+    let check = |basis: &str, wrap: &str| {
+        let twelve = [vec![[2.0, 0.0, 0.0]; 4], vec![[5.0; 3]; 4]].concat();
+        let text = curve(basis, wrap, &[twelve, up(0.0, 4)].concat(), "");
+        let text = text.replace("[12]", "[4, 4, 4]");
+        let found = measured(&text).remove(0);
+        let Strands { curves, no_curve, zero_length, length_cm, .. } = found.strands;
+        assert_eq!((curves, no_curve, zero_length), (3, 2, 2), "{basis} {wrap}");
+        assert!(length_cm[..2] == [0.0, 0.0] && length_cm[2] > 0.9, "{basis}: {length_cm:?}");
+        assert_eq!(found.strands.undrawn(), 0);
+        assert!(
+            found.left_out.is_empty() && !found.laws["every curve has two points and a length"]
+        );
+    };
+    for wrap in ["nonperiodic", "pinned"] {
+        for basis in ["linear", "bezier", "bspline", "catmullRom"] {
+            check(basis, wrap);
+        }
     }
 }
 

@@ -9,6 +9,7 @@ mod beside;
 #[cfg(test)]
 mod cases;
 mod report;
+mod unit;
 mod words;
 
 use super::{Exit, complain, complain_of, ending, extension_of, print, print_plain, shown};
@@ -19,8 +20,8 @@ use coif_graphs::schedule::run::{CancelToken, Evaluator};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
 use coif_nodes::eval::{EvalCx, Log, PlainHost, Quality};
-use coif_nodes::formats::abc;
-use coif_nodes::formats::usd::read::{ReadStage, read_stage};
+use coif_nodes::formats::abc::{self, AbcCurves};
+use coif_nodes::formats::usd::read::read_stage;
 use coif_nodes::maths::hash::Key;
 use report::{NotRead, measure};
 use std::path::PathBuf;
@@ -30,10 +31,14 @@ use std::sync::Arc;
 pub(crate) struct MeasureArgs {
     /// File with curves: .usda, .usdc, .usd, .usdz or .abc
     file: PathBuf,
-    /// Head mesh that the roots should lie on: .obj, .gltf or .glb, also one of a pack (groom.coif:head.obj); "builtin" for the built-in
-    /// head
+    /// Head mesh that the roots should lie on: .obj, .gltf, .glb or .vrm, also one of a pack (groom.coif:head.obj); "builtin" for the
+    /// built-in head
     #[arg(long, value_name = "FILE")]
     scalp: Option<PathBuf>,
+    /// Unit of an .abc file, which declares none. Without, it is guessed by the head of --scalp, then by the application that wrote
+    /// the file, and said
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<unit::LengthUnit>,
     /// Print JSON for other tools
     #[arg(long)]
     json: bool,
@@ -57,11 +62,16 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
     let name = args.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut beside = beside::Folder::of(&args.file);
     let read = match &*extension_of(&args.file) {
-        "abc" => abc::read_curves(&bytes).map(|curves| ReadStage { curves, left_out: vec![] }),
-        _ => read_stage(&bytes, &name, &mut |path| beside.read(path)),
+        "abc" => abc::read_curves(&bytes)
+            .map(|AbcCurves { stage, application }| (stage, Some(application))),
+        _ if args.unit.is_some() => {
+            let reason = "--unit is for .abc files; this one declares its unit".to_owned();
+            return refuse(&args.file, reason);
+        }
+        _ => read_stage(&bytes, &name, &mut |path| beside.read(path)).map(|stage| (stage, None)),
     };
-    let stage = match read {
-        Ok(stage) => stage,
+    let (mut stage, written_by) = match read {
+        Ok(read) => read,
         Err(err) => return refuse(&args.file, err.to_string()),
     };
     drop(bytes);
@@ -89,15 +99,24 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
         Ok(threads) => threads,
         Err(reason) => return refuse(&args.file, reason),
     };
-    let all = measure(&stage, scalp.as_deref(), &threads.host(&CancelToken::default()));
+    let taken = written_by.map(|application| {
+        let head = scalp.as_ref().map(|scalp| scalp.surface());
+        let taken = unit::TakenUnit::of(args.unit, &stage.curves, head, application);
+        stage.curves.iter_mut().for_each(|curves| curves.scale(taken.cm));
+        taken
+    });
+    let mut all = measure(&stage, scalp.as_deref(), &threads.host(&CancelToken::default()));
+    all.iter_mut().for_each(|measured| measured.unit.clone_from(&taken));
     let printed = if args.json {
         print(&plain_json(&serde_json::to_string_pretty(&all).unwrap_or_default()))
     } else {
         let left_out = left_out.iter().map(|what| format!("not read: {}", what.in_words()));
-        let lines: Vec<String> = all.iter().map(words::in_words).chain(left_out).collect();
+        let taken = taken.iter().map(|taken| taken.in_words());
+        let lines: Vec<String> =
+            taken.chain(all.iter().map(words::in_words)).chain(left_out).collect();
         print_plain(&lines.join("\n"))
     };
-    if all.iter().all(|m| m.strands.no_curve == m.strands.curves) {
+    if all.iter().all(|m| m.strands.undrawn() == m.strands.curves) {
         complain(format!("{}: there is no curve in it that can be measured", shown(&args.file)));
         return Exit::Failed;
     }

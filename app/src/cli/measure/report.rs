@@ -3,6 +3,7 @@
 //!
 //! What a file does not tell is not judged: the figure is null and the law is missing.
 
+use super::unit::TakenUnit;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::eval::Host;
 use coif_nodes::formats::usd::read::{LeftOut, ReadCurves, ReadStage};
@@ -24,6 +25,8 @@ pub(super) struct Measured {
     pub(super) visible: bool,
     /// Type, basis and wrap.
     pub(super) form: String,
+    /// Which unit was taken of a file that declares none.
+    pub(super) unit: Option<TakenUnit>,
     /// What was left out of the prim, a sentence each.
     pub(super) notes: Vec<String>,
     /// What was left out of the file, the same with every prim.
@@ -136,6 +139,7 @@ impl Measured {
             purpose: read.purpose.clone(),
             visible: read.is_visible,
             form: read.form.to_string(),
+            unit: None,
             notes: read.notes.clone(),
             left_out: vec![],
             strands: strands::measure(prim),
@@ -262,6 +266,7 @@ struct StrandsNames {
     width_cm: Option<[f32; 2]>,
     bounds: Option<[[f32; 3]; 2]>,
     no_curve: usize,
+    zero_length: usize,
     spacing_ratio: f32,
     reading_difference_cm: Option<f32>,
 }

@@ -25,6 +25,11 @@ pub(super) fn in_words(m: &Measured) -> String {
     if let Some([lo, hi]) = s.width_cm {
         text += &format!("  width {lo} to {hi} cm\n");
     }
+    match s.zero_length {
+        0 => {}
+        1 => text += "  1 curve without length: all its points are at one place\n",
+        n => text += &format!("  {n} curves without length: all points of each are at one place\n"),
+    }
     for (count, text_of) in [
         (m.repeated_ids, "have the id of another"),
         (m.ids_elsewhere, "have an id that a curve of another prim has"),

@@ -1,6 +1,7 @@
 //! Alembic: grooms out as `.abc`, for Unreal, Maya and Blender, and curves back in.
 //!
-//! [`groom`] lays a groom out as objects, `ogawa` turns these into bytes, [`read`] is the way in. All our own: there is no crate
+//! [`groom`] lays a groom out as objects, `ogawa` turns these into bytes; [`read`] is the way in, `curves` what is looked for there. All
+//! our own: there is no crate
 //! that writes Alembic.
 //!
 //! ```text
@@ -11,7 +12,8 @@
 //! ```
 //!
 //! **Units and axes.** Centimetres, Y up, no transforms: what Unreal and Maya take as it is. Alembic itself states no unit; Blender
-//! takes one for a metre (import with scale 0.01) and turns Y up to Z up itself. Where a groom lies down in Unreal, its import
+//! takes one for a metre (import with scale 0.01) and turns Y up to Z up itself. Of a file that others wrote, `unit` tells what its unit
+//! may be. Where a groom lies down in Unreal, its import
 //! wants a rotation of 90 about X.
 //!
 //! **Basis and end points.** Curves are cubic, `catmullRom`, not periodic, with every CV on the curve, as in USD. Alembic has no word
@@ -27,9 +29,12 @@
 //!
 //! Unreal takes a file with a mesh in it for no groom: write the head for others only.
 
+mod curves;
 pub mod groom;
 mod ogawa;
 pub mod read;
+mod unit;
 
+pub use curves::{AbcCurves, read_curves};
 pub use groom::write;
-pub use read::read_curves;
+pub use unit::{cm_by_application, cm_by_head};

@@ -45,7 +45,7 @@ impl<'a> CurvesPrim<'a> {
             return Ok(PrimCurves { curves: None, faults: vec![], is_empty: true });
         };
         let mut points = points_of(points)?;
-        let mut counts = counts_of(counts, points.len(), budget)?;
+        let counts = counts_of(counts, points.len(), budget)?;
         let [curve_type, basis, wrap] =
             [("type", "cubic"), ("basis", "bezier"), ("wrap", "nonperiodic")]
                 .map(|(name, default)| self.token(name, default));
@@ -56,40 +56,12 @@ impl<'a> CurvesPrim<'a> {
         if bad.faults.is_empty() {
             bad = Bad::of(&counts, &points);
         }
+        let mut faults: Vec<String> = wrong_counts(form, &counts).into_iter().collect();
         let mut notes = Vec::new();
-        let wrong = counts.iter().enumerate().filter(|(_, n)| form.spans(**n as usize).is_none());
-        if let Some((curve, count)) = wrong.clone().next() {
-            notes.push(format!(
-                "{} of {} curves are none: curve {curve} has {count} points, and {form} curves have {}",
-                wrong.count(),
-                counts.len(),
-                form.counts()
-            ));
-        }
         let shape = InterpolationCounts::of(form, &counts, points.len());
-        let mut widths = self.widths(&shape, &mut notes, budget)?;
-        let mut primvars = self.primvars(&shape, &mut notes, budget)?;
-        if !bad.faults.is_empty() {
-            budget.charge(points.len() as u64)?;
-            if let Some(widths) = &mut widths {
-                bad.drop_from(&mut widths.values, &widths.interpolation, form, &counts);
-            }
-            for ReadPrimvar { values, interpolation, .. } in &mut primvars {
-                match values {
-                    ReadValues::Int(v) => bad.drop_from(v, interpolation, form, &counts),
-                    ReadValues::Int64(v) => bad.drop_from(v, interpolation, form, &counts),
-                    ReadValues::Float(v) => bad.drop_from(v, interpolation, form, &counts),
-                    ReadValues::Float2(v) => bad.drop_from(v, interpolation, form, &counts),
-                    ReadValues::Float3(v) => bad.drop_from(v, interpolation, form, &counts),
-                    ReadValues::Text(v) => bad.drop_from(v, interpolation, form, &counts),
-                }
-            }
-            bad.drop_from(&mut points, "vertex", form, &counts);
-            let mut is_sound = bad.is_sound.iter();
-            counts.retain(|_| is_sound.next() != Some(&false));
-        }
-        let is_left = bad.faults.is_empty() || !counts.is_empty();
-        let curves = is_left.then(|| ReadCurves {
+        let widths = self.widths(&shape, &mut notes, budget)?;
+        let primvars = self.primvars(&shape, &mut notes, budget)?;
+        let mut curves = ReadCurves {
             path: self.path.to_owned(),
             purpose: self.world.purpose.clone(),
             is_visible: self.world.is_visible,
@@ -99,8 +71,10 @@ impl<'a> CurvesPrim<'a> {
             widths,
             primvars,
             notes,
-        });
-        Ok(PrimCurves { curves, faults: bad.faults, is_empty: false })
+        };
+        let is_left = bad.drop_from(&mut curves, budget)?;
+        faults.extend(bad.faults);
+        Ok(PrimCurves { curves: is_left.then_some(curves), faults, is_empty: false })
     }
 
     fn take(&mut self, name: &str) -> Option<PrimAttribute> {
@@ -244,17 +218,30 @@ pub(in crate::formats) fn negative_widths(widths: &[f32]) -> Option<String> {
     ))
 }
 
+/// What is wrong with curves of which there are none, for their number of points; none where all are curves.
+pub(in crate::formats) fn wrong_counts(form: Form, counts: &[u32]) -> Option<String> {
+    let wrong = counts.iter().enumerate().filter(|(_, n)| form.spans(**n as usize).is_none());
+    let (curve, count) = wrong.clone().next()?;
+    Some(format!(
+        "{} of {} curves are none: curve {curve} has {count} points, and {form} curves have {}",
+        wrong.count(),
+        counts.len(),
+        form.counts()
+    ))
+}
+
 /// Which curves have a point that is no position, or none that can be measured.
-struct Bad {
+pub(in crate::formats) struct Bad {
     is_sound: Vec<bool>,
-    faults: Vec<String>,
+    /// What is wrong, a sentence each.
+    pub(in crate::formats) faults: Vec<String>,
 }
 
 /// How many such curves are told one by one.
 const MOST_FAULTS: usize = 10;
 
 impl Bad {
-    fn of(counts: &[u32], points: &[Vec3]) -> Self {
+    pub(in crate::formats) fn of(counts: &[u32], points: &[Vec3]) -> Self {
         let mut out = Self { is_sound: Vec::new(), faults: Vec::new() };
         if points.iter().all(|point| is_position(*point)) {
             return out;
@@ -285,8 +272,37 @@ impl Bad {
         out
     }
 
-    /// Drops the values of bad curves.
-    fn drop_from<T>(&self, values: &mut Vec<T>, interpolation: &str, form: Form, counts: &[u32]) {
+    /// Drops bad curves with all of their values. Gives whether there are curves still.
+    pub(in crate::formats) fn drop_from(
+        &self,
+        curves: &mut ReadCurves,
+        budget: &mut ReadBudget,
+    ) -> Result<bool, FormatError> {
+        if self.faults.is_empty() {
+            return Ok(true);
+        }
+        budget.charge(curves.points.len() as u64)?;
+        let ReadCurves { counts, points, form, widths, primvars, .. } = curves;
+        if let Some(widths) = widths {
+            self.drop_values(&mut widths.values, &widths.interpolation, *form, counts);
+        }
+        for ReadPrimvar { values, interpolation, .. } in primvars {
+            match values {
+                ReadValues::Int(v) => self.drop_values(v, interpolation, *form, counts),
+                ReadValues::Int64(v) => self.drop_values(v, interpolation, *form, counts),
+                ReadValues::Float(v) => self.drop_values(v, interpolation, *form, counts),
+                ReadValues::Float2(v) => self.drop_values(v, interpolation, *form, counts),
+                ReadValues::Float3(v) => self.drop_values(v, interpolation, *form, counts),
+                ReadValues::Text(v) => self.drop_values(v, interpolation, *form, counts),
+            }
+        }
+        self.drop_values(points, "vertex", *form, counts);
+        let mut is_sound = self.is_sound.iter();
+        counts.retain(|_| is_sound.next() != Some(&false));
+        Ok(!counts.is_empty())
+    }
+
+    fn drop_values<T>(&self, values: &mut Vec<T>, interpolation: &str, form: Form, counts: &[u32]) {
         let each = |count: &u32| match interpolation {
             "constant" => 0,
             "uniform" => 1,

@@ -29,7 +29,8 @@ use tree::Stage;
 pub use values::{ReadPrimvar, ReadValues, ReadWidths};
 use world::World;
 
-pub(in crate::formats) use curves::{negative_widths, wrong_width};
+pub(in crate::formats) use curves::{Bad, negative_widths, wrong_counts, wrong_width};
+pub(in crate::formats) use values::InterpolationCounts;
 pub(in crate::formats) use world::width_scale;
 
 /// What a file has of curves.
@@ -52,7 +53,8 @@ pub struct LeftOut {
     pub asset: String,
     /// Why it was left out.
     pub reason: String,
-    /// The file contradicts itself there; else there is only something that is not followed or not found.
+    /// Curves are missing for it: the file contradicts itself there, or they are of a kind that is not read. Else there is only
+    /// something that is not followed or not found.
     pub is_broken: bool,
 }
 
@@ -77,6 +79,18 @@ pub struct ReadCurves {
     pub primvars: Vec<ReadPrimvar>,
     /// What was left out and why, one sentence each.
     pub notes: Vec<String>,
+}
+
+impl ReadCurves {
+    /// Makes all lengths so many times as large: points and widths. 1 keeps their bits.
+    pub fn scale(&mut self, factor: f32) {
+        if factor == 1.0 {
+            return;
+        }
+        let widths = self.widths.iter_mut().flat_map(|widths| &mut widths.values);
+        widths.for_each(|width| *width *= factor);
+        self.points.iter_mut().for_each(|point| *point *= factor);
+    }
 }
 
 /// Reads all BasisCurves of a file.
@@ -201,7 +215,7 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
 
 /// What is left out, bounded.
 #[derive(Default)]
-struct Told {
+pub(in crate::formats) struct Told {
     list: Vec<LeftOut>,
     more: usize,
     is_more_broken: bool,
@@ -219,7 +233,7 @@ impl Told {
         self.more += 1;
     }
 
-    fn leave_out(&mut self, what: LeftOut) {
+    pub(in crate::formats) fn leave_out(&mut self, what: LeftOut) {
         if self.is_full() {
             self.more += 1;
             self.is_more_broken |= what.is_broken;
@@ -228,7 +242,7 @@ impl Told {
         }
     }
 
-    fn all(mut self) -> Vec<LeftOut> {
+    pub(in crate::formats) fn all(mut self) -> Vec<LeftOut> {
         if self.more > 0 {
             self.list.push(LeftOut {
                 path: "/".into(),

@@ -46,20 +46,20 @@ pub enum ReadValues {
 }
 
 /// How many values of each interpolation a prim asks for.
-pub(super) struct InterpolationCounts {
+pub(in crate::formats) struct InterpolationCounts {
     curves: usize,
     points: usize,
     varying: usize,
 }
 
 impl InterpolationCounts {
-    pub(super) fn of(form: Form, counts: &[u32], points: usize) -> Self {
+    pub(in crate::formats) fn of(form: Form, counts: &[u32], points: usize) -> Self {
         let varying = counts.iter().map(|count| form.varying(*count as usize)).sum();
         Self { curves: counts.len(), points, varying }
     }
 
     /// Why so many values do not fit the interpolation; `None` when they do.
-    fn misfit(&self, interpolation: &str, found: usize) -> Option<String> {
+    pub(in crate::formats) fn misfit(&self, interpolation: &str, found: usize) -> Option<String> {
         let wanted = match interpolation {
             "constant" => 1,
             "uniform" => self.curves,
@@ -69,6 +69,12 @@ impl InterpolationCounts {
         };
         let reason = || format!("{found} values where {interpolation} asks for {wanted}");
         (found != wanted).then(reason)
+    }
+
+    /// The interpolation that so many values fit: the coarsest where they fit several. `None` where they fit none.
+    pub(in crate::formats) fn fitting(&self, found: usize) -> Option<&'static str> {
+        let all = ["constant", "uniform", "vertex", "varying"];
+        all.into_iter().find(|interpolation| self.misfit(interpolation, found).is_none())
     }
 }
 
