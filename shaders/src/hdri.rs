@@ -201,6 +201,7 @@ fn read_exr(bytes: &[u8]) -> Result<RadianceMap, HdriError> {
         |reason: String| HdriError::Broken { format: "OpenEXR", reason: one_line(&reason) };
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
         .map_err(|err| broken(err.to_string()))?;
+    let mut found: Vec<String> = vec![];
     for header in &meta.headers {
         let (width, height) = (header.layer_size.x(), header.layer_size.y());
         if width > LARGEST.0 || height > LARGEST.1 {
@@ -209,6 +210,7 @@ fn read_exr(bytes: &[u8]) -> Result<RadianceMap, HdriError> {
         if header.channels.list.len() > MOST_CHANNELS {
             return Err(broken(format!("it has {} channels", header.channels.list.len())));
         }
+        found.extend(header.channels.list.iter().map(|channel| channel.name.to_string()));
         if let exr::meta::BlockDescription::Tiles(tiles) = &header.blocks {
             let (width, height) = (tiles.tile_size.x(), tiles.tile_size.y());
             if width > LARGEST.0 || height > LARGEST.1 {
@@ -216,6 +218,10 @@ fn read_exr(bytes: &[u8]) -> Result<RadianceMap, HdriError> {
             }
         }
     }
+    let is_coloured = ["R", "G", "B"].iter().all(|rgb| found.iter().any(|name| name == rgb));
+    found.truncate(8);
+    let grey =
+        || format!("it has no channels R, G and B ({} alone): save it in colour", found.join(", "));
     let image = open_exr::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -227,7 +233,7 @@ fn read_exr(bytes: &[u8]) -> Result<RadianceMap, HdriError> {
         .all_attributes()
         .non_parallel()
         .from_buffered(Cursor::new(bytes))
-        .map_err(|err| broken(err.to_string()))?;
+        .map_err(|err| broken(if is_coloured { err.to_string() } else { grey() }))?;
     let bins = image.layer_data.channel_data.pixels;
     check_size(bins.size.0, bins.size.1)?;
     Ok(bins.map())
@@ -335,6 +341,22 @@ mod tests {
         let mut bytes = vec![];
         Picture { width, height, linear }.write_exr(&mut bytes, Samples::Float, &[]).unwrap();
         bytes
+    }
+
+    /// A grey picture: one channel, Y.
+    fn one_channel(width: usize, height: usize) -> Vec<u8> {
+        use open_exr::WritableImage as _;
+        let grey = open_exr::AnyChannel {
+            name: "Y".into(),
+            sample_data: open_exr::FlatSamples::F32(vec![1.0; width * height]),
+            quantize_linearly: false,
+            sampling: open_exr::Vec2(1, 1),
+        };
+        let channels = open_exr::AnyChannels::sort([grey].into_iter().collect());
+        let mut bytes = Cursor::new(vec![]);
+        let image = open_exr::Image::from_channels((width, height), channels);
+        image.write().non_parallel().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
     }
 
     fn directions() -> impl Iterator<Item = Vec3> {
@@ -471,6 +493,10 @@ mod tests {
         check_refused(&short, "cannot be read");
         let exr = exr_of(64, 32, grey);
         check_refused(&exr[..exr.len() / 2], "cannot be read");
+        check_refused(
+            &one_channel(64, 32),
+            "has no channels R, G and B (Y alone): save it in colour",
+        );
         check_refused(&exr[..30], "cannot be read");
     }
 

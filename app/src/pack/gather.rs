@@ -12,6 +12,8 @@ use coif_graphs::file::{self, Loaded};
 use coif_graphs::schedule::files::{MOST_BYTES, name_below, named, read_at_most};
 use coif_graphs::template;
 use coif_nodes::define::{Value, short};
+use coif_nodes::formats::mesh_in::EXTENSIONS;
+use coif_nodes::formats::picture_in::tiles_fault;
 use coif_nodes::formats::{read_looks, side_files};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,8 +60,8 @@ const MOST_LICENCE: u64 = 1 << 20;
 const MOST_LICENCES: usize = 8;
 /// What ends in one of these says no licence, whatever it is called.
 const ASSETS: &[&str] = &[
-    "obj", "mtl", "gltf", "glb", "bin", "png", "jpg", "jpeg", "tif", "tiff", "exr", "hdr", "ron",
-    "coif",
+    "obj", "mtl", "gltf", "glb", "vrm", "bin", "png", "jpg", "jpeg", "tif", "tiff", "exr", "hdr",
+    "ron", "coif",
 ];
 /// The folder of a pack that holds what lay outside the graph's.
 const OUTSIDE: &str = "outside";
@@ -208,7 +210,9 @@ impl Bag {
     /// Takes a file that the graph names, and what it names in turn. Gives its name in the pack.
     fn take(&mut self, folder: &Path, path: &str) -> Result<String, String> {
         let full = folder.join(path);
-        let real = full.canonicalize().map_err(|err| said(&err))?;
+        let real = full
+            .canonicalize()
+            .map_err(|err| tiles_fault(path).map_or_else(|| said(&err), str::to_owned))?;
         let about = real.metadata().map_err(|err| said(&err))?;
         if !about.is_file() {
             return Err("is not a file".to_owned());
@@ -274,7 +278,7 @@ impl Bag {
         let beside = full.parent().unwrap_or(Path::new(""));
         let licence = self.licences(beside, name);
         self.add(name, real, &licence);
-        if !matches!(extension_of(full).as_str(), "obj" | "gltf" | "glb") {
+        if !EXTENSIONS.contains(&extension_of(full).as_str()) {
             return Ok(());
         }
         let bytes = read_at_most(full, MOST_BYTES)?;

@@ -6,6 +6,7 @@
 
 use crate::document::{Document, NodeId, Setting};
 use coif_nodes::define::{FileData, Type, Value};
+use coif_nodes::formats::picture_in::tiles_fault;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -177,7 +178,7 @@ impl DiskFiles {
 impl Files for DiskFiles {
     fn read(&self, path: &str) -> Result<Arc<FileData>, String> {
         let full = self.folder.join(path);
-        let stamp = stamp(&full)?;
+        let stamp = stamp(&full).map_err(|why| tiles_fault(path).map_or(why, str::to_owned))?;
         let mut known = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((changed, len, data)) = known.get(&full)
             && (*changed, *len) == stamp
@@ -254,6 +255,13 @@ mod tests {
             .map(|(id, input, path)| format!("{id}.{input} {path}"))
             .collect();
         assert_eq!(found, ["head.mesh a.obj", "p.scan b.obj", "p.more c.obj"]);
+    }
+
+    #[test]
+    fn a_name_for_tiles_of_a_texture_is_no_missing_file() {
+        let read = |path: &str| DiskFiles::new("/nowhere").read(path).unwrap_err();
+        assert!(read("head.<UDIM>.png").starts_with("names a texture of several tiles (UDIM)"));
+        assert_eq!(read("head.1001.png"), "no such file");
     }
 
     #[test]

@@ -46,6 +46,10 @@ pub fn read_picture(bytes: &[u8], channel: Channel) -> Result<Grey, String> {
         Some(ImageFormat::Tiff) if is_jpeg(bytes) => return Err(JPEG.to_owned()),
         Some(ImageFormat::Tiff) => {}
         Some(ImageFormat::Jpeg) => return Err(JPEG.to_owned()),
+        Some(ImageFormat::OpenExr) => {
+            return Err(format!("it is an OpenEXR, which is not read here: {SAVE}"));
+        }
+        Some(ImageFormat::WebP) => return Err(format!("it is a WebP, which is not read: {SAVE}")),
         _ => return Err("it is no picture that can be read: give a PNG or TIFF file".to_owned()),
     }
     let mut limits = Limits::default();
@@ -99,6 +103,16 @@ pub fn read_picture(bytes: &[u8], channel: Channel) -> Result<Grey, String> {
         Channel::Luminance => at(pixel, 0),
     }));
     Ok(Grey { width: width as usize, pixels })
+}
+
+/// What is wrong with the name of a texture in tiles (`head.<UDIM>.png`), which is no file's; none where it is not one.
+pub fn tiles_fault(path: &str) -> Option<&'static str> {
+    let lower = path.to_ascii_lowercase();
+    let is_tiles = ["<udim>", "<uvtile>", "%(udim)d", "<u>", "<v>"];
+    is_tiles.iter().any(|mark| lower.contains(mark)).then_some(
+        "names a texture of several tiles (UDIM), which is not read: give the picture of the tile that the scalp lies in, such as \
+         name.1001.png",
+    )
 }
 
 const SAVE: &str = "save it as a PNG or TIFF of 8 or 16 bits, grey or RGB";
@@ -156,12 +170,27 @@ mod tests {
     }
 
     #[test]
+    fn names_of_tiles_are_told() {
+        for name in ["head.<UDIM>.png", "a/<udim>.tif", "x_<UVTILE>.png", "x.%(UDIM)d.tx"] {
+            assert!(tiles_fault(name).is_some(), "{name}");
+        }
+        for name in ["head.1001.png", "udim/a.png", "<other>.png"] {
+            assert_eq!(tiles_fault(name), None, "{name}");
+        }
+    }
+
+    #[test]
     fn what_is_no_picture_or_broken_is_refused_in_a_line() {
         let whole = png(vec![9; 4 * 64 * 64], 64);
         for (bytes, wanted) in [
             (&b""[..], "no picture"),
             (b"solid cube", "no picture"),
             (b"\xff\xd8\xff\xe0\0\x10JFIF", "JPEG"),
+            (
+                b"\x76\x2f\x31\x01\x02\0\0\0",
+                "OpenEXR, which is not read here: save it as a PNG or TIFF",
+            ),
+            (b"RIFF\x08\0\0\0WEBPVP8L", "WebP, which is not read: save it as a PNG or TIFF"),
             (&whole[..40], "broken or cut short"),
             (&whole[..whole.len() / 2], "broken or cut short"),
         ] {

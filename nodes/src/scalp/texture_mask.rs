@@ -1,6 +1,7 @@
 //! Texture mask: a field from an existing picture, through the head's UVs.
 //!
-//! Guarantees: values are 0 to 1 as stored in the file. A head without UVs is refused.
+//! Guarantees: values are 0 to 1 as stored in the file. A head without UVs is refused, and so is one whose skin lies in several
+//! tiles of UVs where hair grows (UDIM): one picture cannot serve them.
 
 use crate::data::field::Field;
 use crate::data::scalp::Scalp;
@@ -9,6 +10,8 @@ use crate::define::{FileData, NodeError, choice, node};
 use crate::eval::{EvalCx, Size};
 use crate::formats::picture_in::{self, read_picture};
 use crate::maths::hash::KeyBuilder;
+use glam::Vec2;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 node! {
@@ -55,16 +58,20 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             "the head has no uvs to lay a picture by: paint a mask, or give the mesh uvs",
         ));
     };
-    let beyond = uvs
-        .iter()
-        .flatten()
-        .filter(|uv| uv.is_finite() && (uv.max_element() > 1.001 || uv.min_element() < -0.001));
-    let beyond = beyond.count();
-    if beyond > 0 {
-        let share = 100.0 * beyond as f32 / (3 * uvs.len()) as f32;
-        cx.warn(format!(
-            "{share:.0} % of the head's uvs lie beyond 0 to 1, where the picture repeats: tiles of their own (UDIM) are not read"
-        ));
+    match Layout::of(uvs, &inputs.scalp) {
+        Layout::OneTile => {}
+        Layout::Repeats(share) => cx.warn(format!(
+            "{} of the triangles that hair grows on reach beyond 0 to 1 in their uvs, where the picture repeats",
+            percent(share)
+        )),
+        Layout::Tiles(tiles) => {
+            return Err(NodeError::failed(format!(
+                "where hair grows, the head's uvs lie in {} tiles (UDIM {}), and textures of several tiles are not read: give a mesh \
+                 whose scalp lies in one tile, with the picture of that tile, or paint a mask",
+                tiles.len(),
+                listed(&tiles)
+            )));
+        }
     }
     cx.may_make(&Size::of(&[("bytes of a picture", file.bytes.len() as f64)]))?;
     let channel = match inputs.channel {
@@ -83,6 +90,73 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let texture = Texture::new(source, inputs.scalp.clone(), grey.width, grey.pixels);
     let texture = texture.ok_or_else(|| refused("it has no pixels".to_owned()))?;
     Ok(Outputs { mask: Field::Texture(texture.into()).into() })
+}
+
+/// How UVs lie where hair grows.
+#[derive(Debug, PartialEq)]
+enum Layout {
+    /// In one tile, whichever.
+    OneTile,
+    /// Over edges of tiles, for a picture that repeats: which share of the triangles lies beyond 0 to 1.
+    Repeats(f32),
+    /// In several tiles, hardly any over their edges: their numbers.
+    Tiles(BTreeSet<i64>),
+}
+
+impl Layout {
+    fn of(uvs: &[[Vec2; 3]], scalp: &Scalp) -> Self {
+        /// So far over an edge is on it.
+        const SLACK: f32 = 1e-3;
+        /// The lowest and the highest corner that count, far beyond any layout.
+        const FAR: f32 = 1e6;
+        /// Fewer than one triangle in so many are slips of whoever laid the UVs out.
+        const FEW: usize = 200;
+        let grows = |t: &usize| scalp.highest(*t as u32) > 0.0;
+        let mut tiles: BTreeMap<i64, usize> = BTreeMap::new();
+        let (mut all, mut beyond, mut over) = (0, 0, 0);
+        for triangle in (0..uvs.len()).filter(grows) {
+            let uvs = uvs[triangle];
+            if uvs.iter().any(|uv| !uv.is_finite() || uv.abs().max_element() > FAR) {
+                continue;
+            }
+            let (low, high) = (uvs[0].min(uvs[1]).min(uvs[2]), uvs[0].max(uvs[1]).max(uvs[2]));
+            let tile = ((low + high) * 0.5).floor();
+            let reaches = |tile: Vec2| {
+                (tile - low).max_element() > SLACK || (high - tile).max_element() > 1.0 + SLACK
+            };
+            // Tiles are counted from 1001, ten in a row; none lies left of them, below, or right of the tenth.
+            let is_tile = tile.min_element() >= 0.0 && tile.x < 10.0;
+            all += 1;
+            beyond += usize::from(reaches(Vec2::ZERO));
+            over += usize::from(reaches(tile) || !is_tile);
+            *tiles.entry(1001 + tile.x as i64 + 10 * tile.y as i64).or_default() += 1;
+        }
+        let is_one = tiles.len() < 2 && over == 0;
+        tiles.retain(|_, n| *n * FEW >= all);
+        match over * FEW < all && tiles.len() > 1 {
+            true => Self::Tiles(tiles.into_keys().collect()),
+            false if is_one || beyond == 0 => Self::OneTile,
+            false => Self::Repeats(beyond as f32 / all as f32),
+        }
+    }
+}
+
+/// A share that is not zero, in words.
+fn percent(share: f32) -> String {
+    match 100.0 * share {
+        small if small < 1.0 => "less than 1 %".to_owned(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
+/// The first few tiles.
+fn listed(tiles: &BTreeSet<i64>) -> String {
+    const MOST: usize = 6;
+    let mut all: Vec<String> = tiles.iter().take(MOST).map(i64::to_string).collect();
+    if tiles.len() > MOST {
+        all.push("...".to_owned());
+    }
+    all.join(", ")
 }
 
 #[cfg(test)]
@@ -165,6 +239,52 @@ mod tests {
         assert!(over[0].0 < 0.01, "{:?}", over[0]);
         let same = read.iter().zip(&over).filter(|(a, b)| a == b).count();
         assert!(same > 150, "{same}");
+    }
+
+    #[test]
+    fn one_picture_serves_one_tile_of_uvs_and_no_more() {
+        use crate::data::scalp::{HeadFrame, REGION};
+        use crate::maths::closest::Surface;
+        // Two triangles that hair grows on, and one that it does not.
+        let points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]];
+        let points = points.map(|p| glam::IVec3::from(p).as_vec3()).to_vec();
+        let surface = || Surface::new(points.clone(), vec![[0, 1, 2], [1, 3, 2], [4, 5, 6]]);
+        let region = [vec![1.0; 4], vec![0.0; 3]].concat();
+        let triangle = |u: f32, v: f32, size: f32| {
+            let at = Vec2::new(u, v);
+            [at, at + Vec2::X * size, at + Vec2::Y * size]
+        };
+        let of = |uvs: [[Vec2; 3]; 3]| {
+            let masks = [(REGION.to_owned(), region.clone())].into();
+            let scalp = Scalp::new(surface(), Some(uvs.to_vec()), HeadFrame::IDENTITY, masks);
+            let set = [("scalp", Value::from(Arc::new(scalp))), ("file", ramp())];
+            let uvs_of = |values: &[(&str, Value)]| match &values[0].1 {
+                Value::Scalp(scalp) => Layout::of(scalp.uvs().unwrap(), scalp),
+                other => panic!("a {}", other.type_name()),
+            };
+            (uvs_of(&set), set)
+        };
+        let check = |a: [Vec2; 3], b: [Vec2; 3], expected: Layout| {
+            // The body may lie anywhere.
+            assert_eq!(of([a, b, triangle(7.25, 3.25, 0.5)]).0, expected, "{a:?} {b:?}");
+        };
+        let tiles = |numbers: &[i64]| Layout::Tiles(numbers.iter().copied().collect());
+        let first = triangle(0.0, 0.0, 1.0);
+        check(first, triangle(0.5, 0.5, 0.5), Layout::OneTile);
+        check(first, triangle(0.5, 0.5, 0.5004), Layout::OneTile);
+        check(triangle(3.0, 1.0, 1.0), triangle(3.5, 1.5, 0.5), Layout::OneTile);
+        check(first, triangle(1.0, 0.0, 1.0), tiles(&[1001, 1002]));
+        check(triangle(9.0, 0.0, 1.0), triangle(1.25, 2.0, 0.5), tiles(&[1010, 1022]));
+        // Over an edge, left of 0 or beyond the tenth of a row nothing is a tile: such pictures repeat.
+        check(first, triangle(0.75, 0.0, 0.5), Layout::Repeats(0.5));
+        check(first, triangle(-1.0, 0.0, 1.0), Layout::Repeats(0.5));
+        check(first, triangle(10.0, 0.0, 1.0), Layout::Repeats(0.5));
+        let (_, set) = of([first, triangle(6.0, 0.0, 1.0), first]);
+        let fault = fails(&NODE, &set);
+        assert!(fault.contains("2 tiles (UDIM 1001, 1007)"), "{fault}");
+        let (_, said) = field("texture_mask", &of([first, triangle(0.75, 0.0, 0.5), first]).1);
+        assert!(said.len() == 1 && said[0].starts_with("50 % of the triangles"), "{said:?}");
+        assert_eq!([0.001, 0.006, 0.126].map(percent), ["less than 1 %", "less than 1 %", "13 %"]);
     }
 
     #[test]
