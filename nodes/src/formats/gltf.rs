@@ -1,4 +1,4 @@
-//! Reading glTF 2.0 meshes: `.gltf` and `.glb`, distinguished by their first bytes.
+//! Reading glTF 2.0 meshes: `.gltf`, `.glb` and `.vrm`, distinguished by their first bytes.
 //!
 //! Reads the meshes of the default scene with the transforms of their nodes: triangles, strips and
 //! fans, uvs, vertex colours, names of materials and of nodes. Skins are evaluated at the pose that
@@ -49,6 +49,7 @@ const HARMLESS: &[&str] = &[
     "EXT_lights_",
     "KHR_xmp",
     "KHR_animation_pointer",
+    "VRM",
 ];
 
 /// Supported extensions.
@@ -751,6 +752,35 @@ mod tests {
             ),
         ] {
             assert_eq!(told(&square(&[(key, json)])), says);
+        }
+    }
+
+    #[test]
+    fn what_a_file_requires_for_its_pictures_or_as_an_avatar_hides_no_triangle() {
+        let webp = r#"[{"extensions":{"EXT_texture_webp":{"source":0}}}]"#;
+        let images = r#"[{"uri":"skin.webp","mimeType":"image/webp"}]"#;
+        let materials =
+            r#"[{"name":"skin","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}]"#;
+        let meshes = r#"[{"primitives":[{"attributes":{"POSITION":0},"indices":3,"material":0}]}]"#;
+        for required in [
+            r#"["EXT_texture_webp"]"#,
+            r#"["EXT_texture_avif","KHR_texture_basisu","KHR_texture_transform"]"#,
+            r#"["VRMC_vrm","VRMC_materials_mtoon","VRMC_springBone","VRM"]"#,
+        ] {
+            let more = [
+                ("extensionsRequired", required),
+                ("textures", webp),
+                ("images", images),
+                ("materials", materials),
+                ("meshes", meshes),
+            ];
+            check(&more, &["@", "#", "materials [\"skin\"] [0, 0]"]);
+            let side = |name: &str| (name == "square.bin").then(|| Arc::from(numbers()));
+            let json = square(&more);
+            let mesh = crate::formats::read_mesh("vrm", json.as_bytes(), &side).unwrap();
+            assert_eq!(mesh.triangles.len(), 2);
+            let looks = crate::formats::read_looks("VRM", json.as_bytes(), &side).unwrap();
+            assert!(looks.remarks[0].contains("(EXT_texture_webp): save it as PNG or JPEG"));
         }
     }
 

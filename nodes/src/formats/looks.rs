@@ -5,7 +5,8 @@
 //! had is told with its material and never an error. **Not promised:** that the bytes of a picture are one. Evaluation reads nothing
 //! of this: no key and no hash knows it.
 
-use super::{gltf, mesh_in::Side, obj};
+use super::mesh_in::{Side, is_gltf};
+use super::{gltf, obj};
 use crate::data::mesh::MeshError;
 use glam::{Affine2, Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -99,7 +100,7 @@ pub struct Picture {
 pub fn read_looks(extension: &str, bytes: &[u8], side: Side) -> Result<Looks, MeshError> {
     match extension.trim_start_matches('.').to_ascii_lowercase().as_str() {
         "obj" => obj::read_looks(bytes, side),
-        "gltf" | "glb" => gltf::read_looks(bytes, side),
+        gltf if is_gltf(gltf) => gltf::read_looks(bytes, side),
         _ => Ok(Looks::default()),
     }
 }

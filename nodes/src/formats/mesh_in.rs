@@ -27,8 +27,8 @@ use std::sync::Arc;
 /// the same bytes.
 pub const READER_VERSION: u32 = 2;
 
-/// The extensions [`read_mesh`] reads, in lower case and without the dot.
-pub const EXTENSIONS: &[&str] = &["obj", "gltf", "glb"];
+/// The extensions [`read_mesh`] reads, in lower case and without the dot. A `.vrm` is a `.glb` with another name.
+pub const EXTENSIONS: &[&str] = &["obj", "gltf", "glb", "vrm"];
 
 /// Gives the bytes of a file beside the mesh file, by relative name with `/` between folders, or
 /// nothing where there is none.
@@ -46,9 +46,9 @@ pub fn read_mesh(extension: &str, bytes: &[u8], side: Side) -> Result<Mesh, Mesh
     if bytes.is_empty() {
         return Err(MeshError::at("file", "it is empty"));
     }
-    let gltf = extension != "obj";
-    if let Some((kind, is_gltf)) = kind_of(bytes)
-        && is_gltf != gltf
+    let gltf = is_gltf(&extension);
+    if let Some((kind, holds_gltf)) = kind_of(bytes)
+        && holds_gltf != gltf
     {
         return Err(MeshError::at("file", format!("it is named .{extension} but holds {kind}")));
     }
@@ -59,7 +59,12 @@ pub fn read_mesh(extension: &str, bytes: &[u8], side: Side) -> Result<Mesh, Mesh
 /// Empty where there are none or where the bytes are no mesh.
 pub fn side_files(extension: &str, bytes: &[u8]) -> Vec<String> {
     let extension = extension.trim_start_matches('.').to_ascii_lowercase();
-    if matches!(extension.as_str(), "gltf" | "glb") { gltf::side_files(bytes) } else { Vec::new() }
+    if is_gltf(&extension) { gltf::side_files(bytes) } else { Vec::new() }
+}
+
+/// Whether files of an extension, in lower case, are glTF.
+pub(super) fn is_gltf(extension: &str) -> bool {
+    matches!(extension, "gltf" | "glb" | "vrm")
 }
 
 fn refuse_extension(extension: &str) -> MeshError {
@@ -70,7 +75,7 @@ fn refuse_extension(extension: &str) -> MeshError {
         "" => "a file without an extension is not read".to_owned(),
         other => format!("`.{}` is not read", limits::excerpt(other.as_bytes())),
     };
-    MeshError::at("file", format!("{what}: export the mesh as .obj, .gltf or .glb"))
+    MeshError::at("file", format!("{what}: export the mesh as .obj, .gltf, .glb or .vrm"))
 }
 
 /// What the first bytes say a file is, and whether a glTF reader takes it; nothing for plain text.
@@ -130,7 +135,8 @@ mod tests {
 
     #[test]
     fn other_formats_are_refused_with_those_that_are_read() {
-        let says = |text: &str| format!("file: {text}: export the mesh as .obj, .gltf or .glb");
+        let says =
+            |text: &str| format!("file: {text}: export the mesh as .obj, .gltf, .glb or .vrm");
         for (extension, text) in [
             ("fbx", "FBX is not read"),
             ("abc", "Alembic meshes are not read"),
@@ -161,6 +167,8 @@ mod tests {
             b" {\"asset\":{}}",
             expect!["file: it is named .obj but holds a JSON document"],
         );
+        check("vrm", TRIANGLE, expect!["line 1 column 1: this is not JSON: expected value"]);
+        check("vrm", b"\x89PNG", expect!["file: it is named .vrm but holds a PNG picture"]);
         check("gltf", TRIANGLE, expect!["line 1 column 1: this is not JSON: expected value"]);
         check("glb", b"", expect!["file: it is empty"]);
     }
@@ -169,6 +177,7 @@ mod tests {
     fn only_gltf_asks_for_other_files() {
         let gltf = br#"{"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":1}]}"#;
         assert_eq!(side_files("gltf", gltf), ["a.bin"]);
+        assert_eq!(side_files(".VRM", gltf), ["a.bin"]);
         assert!(side_files("obj", gltf).is_empty());
     }
 }

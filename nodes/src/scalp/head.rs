@@ -36,11 +36,11 @@ node! {
     /// Parts that are left out grow no hair, and the cranium is not fitted to them. Landmarks fit a groom to another
     /// head: front and nape are where the hairline crosses the midline, the temples where it runs between forehead and
     /// ear, the ears the skin just above them, and crown and chin.
-    "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb surface emitter character skin";
+    "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb vrm avatar surface emitter character skin";
     inputs {
         /// Built-in head, used while no mesh file is set.
         builtin: Builtin = Builtin::Adult, words("default bust");
-        /// Mesh file (.obj, .gltf or .glb) to use instead of the built-in head. UVs are kept; materials and vertex
+        /// Mesh file (.obj, .gltf, .glb or .vrm) to use instead of the built-in head. UVs are kept; materials and vertex
         /// colours become masks.
         mesh: Option<Arc<FileData>>, holds(Holds::Mesh), words("file import model");
         /// Parts of the mesh to ignore, such as hair, hats and glasses: comma-separated names of meshes, nodes, groups

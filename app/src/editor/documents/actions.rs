@@ -58,7 +58,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.head",
         label: "Own head…",
-        tip: "Use a mesh (.obj, .glb, .gltf) as the head that hair grows on.",
+        tip: "Use a mesh (.obj, .glb, .gltf, .vrm) as the head that hair grows on.",
         words: "import mesh scalp character model skull",
         menu: "File",
         when: always,

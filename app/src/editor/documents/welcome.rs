@@ -101,7 +101,7 @@ pub(super) fn window(
                         if button.clicked() {
                             say(DocumentEvent::New(None));
                         }
-                        let tip = "A mesh (.obj, .glb, .gltf) instead of the built-in head";
+                        let tip = "A mesh (.obj, .glb, .gltf, .vrm) instead of the built-in head";
                         if ui.button("Your own head…").on_hover_text(tip).clicked() {
                             say(DocumentEvent::Ask(Purpose::Mesh));
                         }

@@ -314,7 +314,7 @@ fn what_is_wrong_is_named() {
         (
             "head.fbx",
             b"",
-            "head.fbx: file: FBX is not read: export the mesh as .obj, .gltf or .glb",
+            "head.fbx: file: FBX is not read: export the mesh as .obj, .gltf, .glb or .vrm",
         ),
         ("head.glb", b"glTF", "head.glb: "),
     ] {
