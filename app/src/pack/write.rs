@@ -5,8 +5,9 @@
 
 use super::gather::{PackFile, Source};
 use super::{EXTENSION, Hash, MANIFEST, Manifest};
+use std::cell::RefCell;
 use std::fs::File;
-use std::io::{Read, Seek, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
@@ -37,14 +38,20 @@ pub(crate) fn write(
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644)
         .system(System::Unix);
-    let mut zip = ZipWriter::new(&mut *out);
+    let failed = RefCell::new(None);
+    let sound = || failed.borrow().clone().map_or(Ok(()), Err);
+    let mut zip = ZipWriter::new(Latched { out: &mut *out, failed: &failed, at: 0, end: 0 });
     let text = serde_json::to_string_pretty(manifest).map_err(|err| err.to_string())? + "\n";
     zip.start_file(MANIFEST, options).map_err(|err| err.to_string())?;
     zip.write_all(text.as_bytes()).map_err(|err| err.to_string())?;
     for item in items {
         zip.start_file(&item.name, options).map_err(|err| err.to_string())?;
-        let hash =
-            item.from.each_piece(|piece| zip.write_all(piece).map_err(|err| err.to_string()));
+        let hash = item.from.each_piece(|piece| {
+            zip.write_all(piece).map_err(|err| err.to_string())?;
+            sound()
+        });
+        // What is wrong with the pack is not wrong with the file.
+        sound()?;
         match hash {
             Ok(hash) if hash == (item.hash.clone(), item.size) => {}
             Ok(_) => return Err(format!("{} has changed while it was packed", item.name)),
@@ -52,10 +59,65 @@ pub(crate) fn write(
         }
     }
     zip.finish().map_err(|err| err.to_string())?;
+    sound()?;
     match out.stream_position() {
         Ok(len) if len >= u64::from(u32::MAX) => Err("would be larger than 4 GiB".to_owned()),
         Ok(_) => Ok(()),
         Err(err) => Err(err.to_string()),
+    }
+}
+
+/// An output whose first failure is kept for us, and which takes and drops whatever comes after it: a zip that is given up still writes
+/// its end, and would say on standard error what it thinks of a full disk.
+struct Latched<'a, W> {
+    out: &'a mut W,
+    failed: &'a RefCell<Option<String>>,
+    /// Where the output is, and where it ends: kept up where nothing is written any more.
+    at: u64,
+    end: u64,
+}
+
+impl<W> Latched<'_, W> {
+    /// What an operation gave, or what it would have given.
+    fn kept<T>(&mut self, done: io::Result<T>, else_done: T) -> io::Result<T> {
+        done.or_else(|err| match err.kind() {
+            io::ErrorKind::Interrupted => Err(err),
+            _ => {
+                self.failed.borrow_mut().get_or_insert(err.to_string());
+                Ok(else_done)
+            }
+        })
+    }
+    fn is_sound(&self) -> bool {
+        self.failed.borrow().is_none()
+    }
+}
+
+impl<W: Write> Write for Latched<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let done = if self.is_sound() { self.out.write(bytes) } else { Ok(bytes.len()) };
+        let written = self.kept(done, bytes.len())?;
+        self.at += written as u64;
+        self.end = self.end.max(self.at);
+        Ok(written)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        let done = if self.is_sound() { self.out.flush() } else { Ok(()) };
+        self.kept(done, ())
+    }
+}
+
+impl<W: Seek> Seek for Latched<'_, W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let of = |from: u64, by: i64| from.saturating_add_signed(by);
+        let at = match to {
+            SeekFrom::Start(at) => at,
+            SeekFrom::Current(by) => of(self.at, by),
+            SeekFrom::End(by) => of(self.end, by),
+        };
+        let done = if self.is_sound() { self.out.seek(to) } else { Ok(at) };
+        self.at = self.kept(done, at)?;
+        Ok(self.at)
     }
 }
 

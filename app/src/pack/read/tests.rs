@@ -166,6 +166,7 @@ fn names_that_lead_elsewhere_are_refused() {
         ("heads/aux.pngs", "device"),
         ("heads/skin.pn.", "ends with a dot"),
         ("heads//kin.png", "empty part"),
+        ("heads/\u{202e}n.png", "reads as another name"),
     ] {
         check(says, &replaced(Made::good().zip(), "heads/skin.png", name));
     }
@@ -173,6 +174,8 @@ fn names_that_lead_elsewhere_are_refused() {
     check("twice", &replaced(twice.zip(), "heads/facf.obj", "heads/face.obj"));
     let cases = Made::of(GRAPH, &[("heads/face.obj", MESH.as_bytes()), ("Heads/face.obj", b"")]);
     check("where case does not count", &cases.zip());
+    let twins = [("heads/\u{e9}.obj", MESH.as_bytes()), ("heads/e\u{301}.obj", b"")];
+    check("on macOS", &Made::of(GRAPH, &twins).zip());
     let within = Made::of(GRAPH, &[("heads/face.obj", MESH.as_bytes()), ("heads", b"")]);
     check("which is a file", &within.zip());
     let link = Made::good().with(|it| it.files.push(("link:heads/a".to_owned(), b"/etc".to_vec())));
