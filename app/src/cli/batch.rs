@@ -41,7 +41,8 @@ pub(crate) struct BatchArgs {
         conflicts_with = "collect"
     )]
     out_dir: Option<PathBuf>,
-    /// Put the reports of a folder (.json) into one table (.csv) instead of writing a job
+    /// Put the reports of a folder (.json) into one table (.csv) instead of writing a job. A cell that a spreadsheet would take for a
+    /// formula begins with an apostrophe
     #[arg(long, value_name = "DIR")]
     collect: Option<PathBuf>,
     /// File to write: the job (.yaml), or the table; the table goes to stdout without
@@ -344,7 +345,7 @@ fn row(name: &str, path: &Path) -> Result<[String; COLUMNS.len()], String> {
     // The ledger of the task in two numbers.
     let nodes = report["nodes"].as_array().map(Vec::as_slice).unwrap_or_default();
     let bytes: f64 = nodes.iter().filter_map(|node| node["bytes"].as_f64()).sum();
-    let mib = format!("{:.1}", bytes / f64::from(1 << 20));
+    let mib = format!("{:.1}", unsigned(bytes) / f64::from(1 << 20));
     let ms = |node: &&Json| node["ms"].as_f64().unwrap_or_default();
     let slowest = nodes.iter().max_by(|a, b| ms(a).total_cmp(&ms(b)));
     let outcome = match exit {
@@ -363,9 +364,22 @@ fn row(name: &str, path: &Path) -> Result<[String; COLUMNS.len()], String> {
         outputs.iter().map(|o| text(&o["hash"])).collect::<Vec<_>>().join(" "),
         sum("curves"),
         sum("points"),
-        format!("{:.2}", report["total_ms"].as_f64().unwrap_or_default() / 1e3),
+        format!("{:.2}", unsigned(report["total_ms"].as_f64().unwrap_or_default()) / 1e3),
         mib,
         slowest.map_or(String::new(), |node| text(&node["name"])),
         text(&report["errors"][0]),
-    ])
+    ]
+    .map(harmless))
+}
+
+/// A number that is not negative: the sum of no floats is -0.
+fn unsigned(x: f64) -> f64 {
+    x.max(0.0) + 0.0
+}
+
+/// A cell that no spreadsheet takes for a formula: reports hold names that anybody may have given, and one that begins with `=` runs
+/// where the table is opened. An apostrophe before it makes it text.
+fn harmless(cell: String) -> String {
+    const BEGINS: &[char] = &['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠'];
+    if cell.starts_with(BEGINS) { format!("'{cell}") } else { cell }
 }

@@ -207,6 +207,26 @@ fn a_job_of_eight_tasks_loses_one_and_a_second_run_makes_that_one() {
 }
 
 #[test]
+fn a_table_of_reports_holds_no_formulas_and_no_minus_zero() {
+    let folder = Folder::new("batch-formulas");
+    let report = serde_json::json!({
+        "exit": 1, "graph": "=cmd|' /C calc'!A1", "scalp": ["@a.obj"], "seed": 1, "row": "+1",
+        "outputs": [], "nodes": [{"name": "-hair", "ms": 1.0}], "total_ms": -0.0,
+        "errors": ["\tA1, \"quoted\""],
+    });
+    std::fs::write(folder.path("-1.json"), report.to_string()).unwrap();
+    let bald = serde_json::json!({"exit": 2, "graph": "a=b.ron", "seed": 1, "errors": ["\rA1"]});
+    std::fs::write(folder.path("b.json"), bald.to_string()).unwrap();
+    let ran = run(["batch", "--collect", &text(&folder.path(""))]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let first = "'-1,'=cmd|' /C calc'!A1,'@a.obj,1,'+1,failed,,0,0,0.00,0.0,'-hair,\"'\tA1, \"\"quoted\"\"\"";
+    // What holds such a letter elsewhere is as it was.
+    let second = "b,a=b.ron,,1,,refused,,0,0,0.00,0.0,,\"'\rA1\"";
+    let rows: Vec<&str> = ran.out.trim_end().split('\n').skip(1).collect();
+    assert_eq!(rows, [first, second]);
+}
+
+#[test]
 fn results_of_a_job_have_names_that_no_other_has() {
     let folder = Folder::new("batch-names");
     let path = |name: &str| text(&folder.path(name));
