@@ -21,6 +21,8 @@ mod guides;
 #[cfg(test)]
 mod hostile;
 pub mod laws;
+#[cfg(test)]
+mod masks;
 pub mod maths;
 #[cfg(test)]
 mod obeys;

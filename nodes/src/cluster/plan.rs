@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Settings of a plan.
 pub(super) struct PlanParams<'a> {
-    /// Number of hairs; `None`: by density.
+    /// Number of hairs, of which the mask keeps its share; `None`: by density.
     pub count: Option<usize>,
     /// Hairs per cm2.
     pub density: f32,
@@ -89,7 +89,19 @@ struct Found {
     hairs: Vec<PlannedHair>,
     weights: Vec<(u32, f32)>,
     led_by_none: usize,
+    /// Indices of hairs that count and that the mask leaves out.
+    left_out: Vec<u32>,
 }
+
+impl Found {
+    /// Indices of all hairs that count.
+    fn counted(&self) -> impl Iterator<Item = u32> {
+        self.hairs.iter().map(|hair| hair.index).chain(self.left_out.iter().copied())
+    }
+}
+
+/// A place in the list of even roots, and whether the mask keeps the hair there.
+type Place = (u32, Root, bool);
 
 impl Plan {
     /// The plan for these guides (one per tuft), from the cache or made.
@@ -164,32 +176,33 @@ impl Plan {
         };
         let area = finder.even.area();
         let wanted = asked.count.unwrap_or_else(|| (f64::from(asked.density) * area) as usize);
-        // By density, one pass over the list. By count, passes until enough are found: a soft edge, a mask or a reach may reject
+        // By density, one pass over the list. By count, passes until enough are found: a soft edge, a parting or a reach may reject
         // many; the limit is ten times the count.
         let last = if asked.count.is_some() { wanted.saturating_mul(10) } else { wanted };
         let last = match asked.count {
             Some(_) => last.saturating_mul(finder.even.places_for_one() as usize),
             None => last,
         };
-        let last = last.min(20_000_000);
+        let last = last.min(wanted.saturating_mul(10).max(20_000_000)).min(u32::MAX as usize);
         let mut found: Vec<Found> = vec![];
-        let (mut start, mut count) = (0, 0);
+        let (mut start, mut count, mut kept) = (0, 0, 0);
         while start < last && count < wanted && area > 0.0 && !guides.is_empty() {
             let round = (wanted - count).clamp(ROUND, LONG_ROUND).min(last - start);
             let mut more = finder.round(cx, start as u32..(start + round) as u32)?;
-            let new: usize = more.iter().map(|found| found.hairs.len()).sum();
+            let mut indices: Vec<u32> = more.iter().flat_map(Found::counted).collect();
+            let new = indices.len();
             if new > wanted - count {
                 // The requested number is reached within this pass.
-                let indices = more.iter().flat_map(|found| &found.hairs).map(|hair| hair.index);
-                let mut indices: Vec<u32> = indices.collect();
                 let (_, end, _) = indices.select_nth_unstable(wanted - count);
                 more.iter_mut().for_each(|found| found.hairs.retain(|hair| hair.index < *end));
             }
+            more.iter_mut().for_each(|found| found.left_out = vec![]);
+            kept += more.iter().map(|found| found.hairs.len()).sum::<usize>();
             found.append(&mut more);
             count += new;
             start += round;
             if start < last && count < wanted {
-                let so_far = ("hairs so far", cx.thinned(count) as f64);
+                let so_far = ("hairs so far", cx.thinned(kept) as f64);
                 cx.may_make(&Size::of(&[so_far, ("points", asked.points as f64)]))?;
             }
         }
@@ -337,25 +350,28 @@ impl Finder<'_> {
         let rooted: Vec<(u32, Root)> = indices.filter_map(root).collect();
         let chance = |i| self.keep.unit(u64::from(i), 0);
         let mut rooted = masked(rooted, self.asked.mask, self.scalp, chance)?;
+        if self.asked.count.is_none() {
+            rooted.retain(|(.., kept)| *kept);
+        }
         let mut found = Found::default();
         // For each hair, its tree of guides and its distance from the next parting.
         let mut places = vec![(0, f32::MAX); rooted.len()];
         if let Some(cut) = self.forest.cut {
             places.clear();
-            rooted.retain(|(_, root)| {
+            rooted.retain(|(_, root, kept)| {
                 let Some(place) = cut.at_root(root).filter(|place| place.free) else {
                     return false;
                 };
                 let tree = place.section as usize;
                 let is_led = self.forest.trees[tree].is_some();
-                found.led_by_none += usize::from(!is_led);
+                found.led_by_none += usize::from(!is_led && *kept);
                 if is_led {
                     places.push((tree, place.distance));
                 }
                 is_led
             });
         }
-        let points: Vec<Vec3> = rooted.iter().map(|(_, root)| root.point).collect();
+        let points: Vec<Vec3> = rooted.iter().map(|(_, root, _)| root.point).collect();
         found.hairs.reserve_exact(rooted.len());
         found.weights.reserve(rooted.len() * self.asked.neighbours);
         let mut start = 0;
@@ -367,8 +383,11 @@ impl Finder<'_> {
                 let at = found.weights.len();
                 weigh(near, self.asked, &mut found.weights);
                 let count = found.weights.len() - at;
-                if count > 0 {
-                    let (index, root) = &rooted[start + i];
+                let (index, root, kept) = &rooted[start + i];
+                if count > 0 && !kept {
+                    found.weights.truncate(at);
+                    found.left_out.push(*index);
+                } else if count > 0 {
                     found.hairs.push(PlannedHair {
                         index: *index,
                         triangle: root.triangle,
@@ -441,23 +460,23 @@ impl<'a> Forest<'a> {
     }
 }
 
-/// The roots that the mask keeps.
+/// The roots, with which of them the mask keeps.
 fn masked(
     roots: Vec<(u32, Root)>,
     mask: &FieldInput,
     scalp: &Scalp,
     chance: impl Fn(u32) -> f32,
-) -> Result<Vec<(u32, Root)>, NodeError> {
+) -> Result<Vec<Place>, NodeError> {
     if mask.constant() == Some(1.0) {
-        return Ok(roots);
+        return Ok(roots.into_iter().map(|(i, root)| (i, root, true)).collect());
     }
     let mut b = TuftBuilder::even(roots.iter().map(|(_, r)| r.point).collect(), 1);
     b.set(ROOT_TRIANGLE, Domain::Curve, roots.iter().map(|(_, r)| r.triangle as i32).collect());
     b.set(ROOT_BARY, Domain::Curve, roots.iter().map(|(_, r)| r.bary).collect());
     let tuft = b.build();
     let mask = mask.on(&tuft, Some(scalp))?;
-    let kept = (0..).zip(roots).filter(|(slot, (i, _))| chance(*i) < mask.at(*slot, *slot, 0.0));
-    Ok(kept.map(|(_, root)| root).collect())
+    let kept = |slot, i| chance(i) < mask.at(slot, slot, 0.0);
+    Ok((0..).zip(roots).map(|(slot, (i, root))| (i, root, kept(slot, i))).collect())
 }
 
 /// Adds the guides of a hair with their weights, nearest first: (1/d - 1/R)^2, where R is the distance of the first guide that is
