@@ -576,8 +576,8 @@ mod tests {
                 torn += 1;
                 far += usize::from(read.moved > 2.0);
                 assert!(read.agrees(), "{}", read.left);
-                // An ear's edge is up to 3 cm away.
-                assert!(read.moved < 3.0, "thrown {} cm", read.moved);
+                // An ear's edge is up to 3 cm away, and a turn as wide as it is must clear it between its CVs too.
+                assert!(read.moved < 4.5, "thrown {} cm", read.moved);
                 assert_eq!(read.points[0], coil[0]);
             }
         }

@@ -96,3 +96,33 @@ fn depth(scalp: &Scalp, skin: &Skin, p: Vec3) -> f32 {
     let surface = scalp.surface();
     surface.closest(p).map_or(0.0, |hit| -surface.signed_distance(p, &hit))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::curves::{Curves, TuftBuilder};
+    use crate::data::route::skin_clear::tests::{bust, hairs};
+    use crate::eval::PlainHost;
+
+    #[test]
+    fn a_curve_that_dives_between_points_that_all_lie_outside_is_too_deep_and_its_place_is_told() {
+        let scalp = bust();
+        let skin = scalp.skin();
+        let is_out = |hair: &Vec<Vec3>| hair.iter().all(|p| skin.distance(*p) > 0.0);
+        let coarse = hairs().into_iter().map(|hair| hair.into_iter().step_by(6).collect());
+        let mut b = TuftBuilder::new();
+        coarse.filter(is_out).for_each(|hair| b.push_curve(&hair));
+        let hair = Curves::new(vec![b.build().into()]);
+        let hair = MeasuredHair::of(&hair, &PlainHost);
+        let found = measure(&hair, &scalp);
+        assert!(found.too_deep > 0 && found.curves > 0 && found.beyond_cm > 0.05, "{found:?}");
+        let (at, curve) = (Vec3::from(found.at.unwrap()), found.curve.unwrap());
+        assert!((skin.distance(at) + found.beyond_cm).abs() < 1e-3, "{found:?}");
+        let spans = hair.curve(curve).len() - 1;
+        let off = |k: usize| {
+            let span = DrawnSpan::of(hair.curve(curve), k);
+            (0..=200).map(|n| span.at(n as f32 / 200.0).distance(at)).fold(f32::MAX, f32::min)
+        };
+        assert!((0..spans).map(off).fold(f32::MAX, f32::min) < 0.02, "{found:?}");
+    }
+}
