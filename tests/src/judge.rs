@@ -31,6 +31,8 @@ pub const ROOT: f64 = 1e-3;
 const SAMPLES: usize = 10;
 /// The deepest place is found to this, cm.
 const FOUND_TO: f64 = 1e-3;
+/// On a shorter way it is cheaper to look for triangles than to find out again what is inside, cm.
+const SHORT: f64 = 1.0;
 /// Hairs that are judged one after the other.
 const AT_ONCE: usize = 64;
 
@@ -308,11 +310,12 @@ impl<'a> Bout<'a> {
         self.found.looked += 1;
         let p = self.curve.point(along);
         let near = self.skin.nearest(p, beside.first().map_or(0, |seen| seen.near.triangle));
-        // Balls about both reach no triangle: only what spans a hole may be between.
+        // Where no triangle is between, and nothing that spans a hole.
         let is_one_side = |seen: &&&Seen| {
             let off = seen.p.distance(p);
+            let are_clear = off < near.distance + seen.near.distance;
             seen.side != Side::Either
-                && off < near.distance + seen.near.distance
+                && (are_clear || (off < SHORT && !self.skin.is_between(seen.p, p)))
                 && !self.skin.spans(0.5 * (seen.p + p), 0.5 * off)
         };
         let side = if near.distance <= 0.5 * self.tolerance {

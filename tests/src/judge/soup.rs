@@ -191,6 +191,31 @@ impl Soup {
         }
     }
 
+    /// Whether a triangle is between two points. Where one is only touched, it may be.
+    pub fn is_between(&self, a: DVec3, b: DVec3) -> bool {
+        let (low, high) = (a.min(b), a.max(b));
+        let mut stack = [0u32; 96];
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let at = stack[top];
+            let node = &self.nodes[at as usize];
+            if node.low.cmpgt(high).any() || node.high.cmplt(low).any() {
+                continue;
+            }
+            if node.count > 0 {
+                let own = &self.triangles[node.first as usize..][..node.count as usize];
+                if own.iter().any(|t| meets(&t.corners, a, b)) {
+                    return true;
+                }
+                continue;
+            }
+            (stack[top], stack[top + 1]) = (at + 1, node.right);
+            top += 2;
+        }
+        false
+    }
+
     /// Whether a ball may reach into what spans a hole, where inside becomes outside without a triangle between.
     pub fn spans(&self, middle: DVec3, radius: f64) -> bool {
         self.holes.iter().any(|hole| {
@@ -278,6 +303,19 @@ fn solid_angle(corners: &[DVec3; 3], p: DVec3) -> f64 {
     let over = a.dot(b.cross(c));
     let under = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
     2.0 * over.atan2(under)
+}
+
+/// Whether a triangle and the way from `from` to `to` have a point in common, to rounding.
+fn meets(corners: &[DVec3; 3], from: DVec3, to: DVec3) -> bool {
+    const ROUNDING: f64 = 1e-12;
+    let [a, b, c] = corners.map(|corner| corner - from);
+    let (way, normal) = (to - from, (b - a).cross(c - a));
+    let [before, after] = [-a.dot(normal), (way - a).dot(normal)];
+    if before.min(after) > ROUNDING || before.max(after) < -ROUNDING {
+        return false;
+    }
+    let sides = [way.dot(a.cross(b)), way.dot(b.cross(c)), way.dot(c.cross(a))];
+    sides.iter().all(|side| *side >= -ROUNDING) || sides.iter().all(|side| *side <= ROUNDING)
 }
 
 enum On {

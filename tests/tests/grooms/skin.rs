@@ -74,6 +74,10 @@ fn inside_and_nearest_are_what_looking_at_every_triangle_finds() {
             let (quick, all) = (skin.winding(p), skin.winding_by_all(p));
             assert!((quick - all).abs() < 1e-3, "{p}: {quick} for {all}");
             assert_eq!(skin.is_inside(p), all > 0.5, "{p}: {all}");
+            let sides = [p, 0.9 * p].map(|p| skin.is_inside(p));
+            let passes = skin.is_between(p, 0.9 * p);
+            assert!(passes || sides[0] == sides[1] || p.y < floor + 1.0, "{p}: {sides:?}");
+            assert!(!passes || (8.9..10.1).contains(&p.length()), "{p}");
             assert_eq!(skin.nearest(p, 0).distance, skin.nearest_by_all(p).distance, "{p}");
         }
     }
