@@ -191,9 +191,9 @@ struct Land<'a> {
 }
 
 impl Land<'_> {
-    /// Whether a curve crosses a parting.
-    fn is_over_a_parting(&self, points: &[Vec3]) -> bool {
-        self.sections.iter().any(|sections| sections.is_over_line(points))
+    /// Whether the first `n` points of a curve cross a parting.
+    fn is_over_a_parting(&self, points: &[Vec3], n: usize) -> bool {
+        self.sections.iter().any(|sections| sections.is_over_line_before(points, n))
     }
 }
 
@@ -365,8 +365,8 @@ fn mend(
                 |(_, place): &&(f32, SplineParam)| place.span as f32 + place.t <= *last as f32;
             read.stops.iter().take_while(still).count() - 1
         };
-        land.is_over_a_parting(&read.points[..joins.as_ref().map_or(read.points.len(), on_way)])
-            && !land.is_over_a_parting(&old[..joins.unwrap_or(old.len())])
+        land.is_over_a_parting(&read.points, joins.as_ref().map_or(read.points.len(), on_way))
+            && !land.is_over_a_parting(old, joins.unwrap_or(old.len()))
     };
     let skin = land.skin.map(|skin| skin.within(patience.looks()));
     let mut mender = Mender {

@@ -254,7 +254,7 @@ pub fn over_lines(
             let points = tuft.curve(i);
             let free = joins_its_braid(tuft, i).or_else(|| passes_its_tie(tuft, i));
             let until = free.map_or(points.len(), |last| last + 1);
-            let is_over = |sections: &&Sections| sections.is_over_line(&points[..until]);
+            let is_over = |sections: &&Sections| sections.is_over_line_before(points, until);
             over += usize::from(sections.iter().any(is_over));
             looked += 1;
         }

@@ -78,20 +78,22 @@ impl DrawnSpan {
     }
 }
 
-/// The points of a curve with more between those whose span is bent, all on the drawn curve: for who asks a polyline what a curve does.
-pub fn bent(cvs: &[Vec3]) -> Cow<'_, [Vec3]> {
-    let spans = || (0..cvs.len().saturating_sub(1)).map(|k| DrawnSpan::of(cvs, k));
+/// The first `n` points of a curve with more between those whose span is bent, all on the drawn curve: for who asks a polyline what a
+/// curve does.
+pub fn bent(cvs: &[Vec3], n: usize) -> Cow<'_, [Vec3]> {
+    let n = n.min(cvs.len());
+    let spans = || (0..n.saturating_sub(1)).map(|k| DrawnSpan::of(cvs, k));
     if !spans().any(|span| span.is_bent()) {
-        return Cow::Borrowed(cvs);
+        return Cow::Borrowed(&cvs[..n]);
     }
-    let mut out = Vec::with_capacity(CUTS * cvs.len());
+    let mut out = Vec::with_capacity(CUTS * n);
     for (k, span) in spans().enumerate() {
         out.push(cvs[k]);
         if span.is_bent() {
             out.extend((1..CUTS).map(|n| span.at(n as f32 / CUTS as f32)));
         }
     }
-    out.extend(cvs.last());
+    out.push(cvs[n - 1]);
     Cow::Owned(out)
 }
 
@@ -171,10 +173,11 @@ mod tests {
     #[test]
     fn bent_spans_are_cut_and_straight_curves_stay() {
         let straight = [0.0, 1.0, 2.0].map(|x| Vec3::X * x);
-        assert!(matches!(bent(&straight), Cow::Borrowed(_)));
+        assert!(matches!(bent(&straight, 3), Cow::Borrowed(_)));
         let corner = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y];
-        let cut = bent(&corner);
+        let cut = bent(&corner, 3);
         assert_eq!((cut.len(), cut[0], cut[4], cut[8]), (9, corner[0], corner[1], corner[2]));
-        assert!(bent(&[]).is_empty() && bent(&corner[..1]).len() == 1);
+        assert_eq!(bent(&corner, 2)[..], cut[..5], "what comes after bends the last span too");
+        assert!(bent(&[], 2).is_empty() && bent(&corner[..1], 2).len() == 1);
     }
 }

@@ -268,7 +268,7 @@ fn leads_over(home: &Home, old: &[Vec3], new: &[Vec3]) -> Result<(), Left> {
         return Ok(());
     }
     let first = (1..old.len()).find(|k| home.passes(&old[k - 1..=*k]));
-    if home.passes(&new[..first.unwrap_or(new.len())]) { Err(Left::Over) } else { Ok(()) }
+    if home.passes_before(new, first.unwrap_or(new.len())) { Err(Left::Over) } else { Ok(()) }
 }
 
 /// Keeps a hair in its section so far along it as it was there before.

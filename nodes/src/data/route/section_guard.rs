@@ -94,6 +94,11 @@ impl Home<'_> {
         self.sections.is_over_line(hair)
     }
 
+    /// Whether its first `n` points do.
+    pub(crate) fn passes_before(&self, hair: &[Vec3], n: usize) -> bool {
+        self.sections.is_over_line_before(hair, n)
+    }
+
     /// Whether a glance tells that a point needs no keeping.
     fn is_clear(&self, p: Vec3) -> bool {
         self.is_clear_by(0.0, p)

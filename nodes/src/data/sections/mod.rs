@@ -219,7 +219,11 @@ impl Sections {
     }
     /// Whether a hair, as it is drawn through its points, crosses a parting, at most a quarter of a centimetre off it.
     pub(crate) fn is_over_line(&self, hair: &[Vec3]) -> bool {
-        let drawn = bent(hair);
+        self.is_over_line_before(hair, hair.len())
+    }
+    /// Whether its first `n` points do.
+    pub(crate) fn is_over_line_before(&self, hair: &[Vec3], n: usize) -> bool {
+        let drawn = bent(hair, n);
         self.last_passed(drawn.len(), |k| drawn[k]).is_some()
     }
     /// The segment of a parting whose bare skin is nearest to a point of the scalp, and half its width.
