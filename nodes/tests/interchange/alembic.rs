@@ -396,7 +396,7 @@ fn curves_of_other_programs_are_read() {
         cortex_coloredMesh.abc: 0 objects, 0 curves, 0 points, 0 with widths, 0 notes
         cortex_curves.abc: 3 objects, 3 curves, 17 points, 0 with widths, 0 notes
         cortex_varyingPoints.abc: 0 objects, 0 curves, 0 points, 0 with widths, 0 notes
-        cortex_widthTest.abc: 2 objects, 2 curves, 8 points, 2 with widths, 0 notes
+        cortex_widthTest.abc: 2 objects, 2 curves, 8 points, 2 with widths, 1 notes
     "#]]
     .assert_eq(&found);
 }

@@ -55,7 +55,7 @@ fn bytes_are_those_of_the_last_release() {
     expect_test::expect![[r#"
         [
             "86aba3b1f1283c3a89413ee3e52f9ca0a8359709bb977fef56820c7162691ba6",
-            "a862dc1e817f3f50cc285f89fe3dd631e00d858275040179e2f28fd3e8caaa6d",
+            "d94f5bd9cc042ffd5e8322ec00893c8833dafabc92507c78a23da2e8b1cd3101",
         ]
     "#]]
     .assert_debug_eq(&hashes);

@@ -232,17 +232,26 @@ fn measuring_half_a_file_says_which_half() {
     check(&[empty], 2, 0, "there are no curves in it");
     check(&[hair, empty], 0, 2, "");
     // Counts that make no curve contradict the prim; a curve without length is one, of length 0.
+    let measured = |prim: &str, code: i32, lines: &[&str], complaint: &str| {
+        let path = folder.path("all.usda").display().to_string();
+        std::fs::write(&path, format!("#usda 1.0\n{prim}")).unwrap();
+        let (text, json) = (run(["measure", &path]), run(["measure", &path, "--json"]));
+        assert_eq!((text.code, json.code), (code, code), "{}", text.err);
+        for line in lines {
+            assert!(text.out.contains(line), "{line}: {}", text.out);
+        }
+        assert!(text.err.contains(complaint) && (code != 0) != text.err.is_empty(), "{}", text.err);
+    };
     let short = "def BasisCurves \"hair\" { uniform token type = \"linear\" int[] curveVertexCounts = [2, 1, 0, 3] \
                  point3f[] points = [(0, 0, 0), (0, 4, 0), (1, 0, 0), (2, 0, 0), (2, 0, 0), (2, 0, 0)] }";
-    let told = "not read: /hair: curves: 2 of 4 curves are none: curve 1 has 1 points";
-    check(&[short], 1, 1, told);
-    let path = folder.path("all.usda").display().to_string();
-    let ran = run(["measure", &path]);
-    assert!(ran.out.contains("length 0 to 4 cm, middle 4"), "{}", ran.out);
-    assert!(ran.out.contains("1 curve without length"), "{}", ran.out);
-    let point = short.replace("[2, 1, 0, 3]", "[3, 3]");
-    let point = point.replace("(0, 0, 0), (0, 4, 0), (1, 0, 0)", "(0, 0, 0), (0, 0, 0), (0, 0, 0)");
-    check(&[&point], 0, 1, "");
+    let (length, none) = ("length 0 to 4 cm", "note: 2 of 4 curves are none: curve 1 has 1 points");
+    let complaint = "/hair: 2 of 4 curves have a number of points that makes no curve";
+    measured(short, 1, &[length, "1 curve without length", none], complaint);
+    let still = hair.replace("[2]", "[3, 3]").replace(
+        "[(0, 0, 0), (0, 4, 0)]",
+        "[(1, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0), (2, 0, 0), (2, 0, 0)]",
+    );
+    measured(&still, 0, &["length 0 to 0 cm", "2 curves without length", "BROKEN"], "");
     // One point is no curve: that is told, and nothing else is left.
     let path = folder.path("all.usda").display().to_string();
     let one = hair.replace("[2]", "[1]").replace(", (0, 4, 0)", "");

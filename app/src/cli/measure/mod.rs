@@ -120,7 +120,21 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
         complain(format!("{}: there is no curve in it that can be measured", shown(&args.file)));
         return Exit::Failed;
     }
-    if left_out.iter().any(|what| what.broken) { Exit::Failed } else { printed }
+    let undrawn: Vec<String> = all
+        .iter()
+        .filter(|m| m.strands.undrawn() > 0)
+        .map(|m| {
+            let (n, of) = (m.strands.undrawn(), m.strands.curves);
+            format!(
+                "{}: {}: {n} of {of} curves have a number of points that makes no curve",
+                shown(&args.file),
+                m.path
+            )
+        })
+        .collect();
+    let is_whole = undrawn.is_empty() && !left_out.iter().any(|what| what.broken);
+    complain_of(undrawn);
+    if is_whole { printed } else { Exit::Failed }
 }
 
 /// What `--scalp` takes for the head that is part of the program.

@@ -225,8 +225,8 @@ impl CurvesObject<'_> {
                 bad = Bad::of(&counts, &points);
             }
         }
-        let mut faults: Vec<String> = wrong_counts(form, &counts).into_iter().collect();
         let mut notes = self.notes(form);
+        notes.extend(wrong_counts(form, &counts));
         let shape = InterpolationCounts::of(form, &counts, points.len());
         let widths = self.widths(&shape, &mut notes, budget)?;
         let primvars = self.primvars(&shape, &mut notes, budget)?;
@@ -247,8 +247,7 @@ impl CurvesObject<'_> {
             notes,
         };
         let is_left = bad.drop_from(&mut curves, budget)?;
-        faults.extend(bad.faults);
-        Ok(ObjectCurves { curves: is_left.then_some(curves), faults })
+        Ok(ObjectCurves { curves: is_left.then_some(curves), faults: bad.faults })
     }
 
     fn counts(&self, points: usize, budget: &mut ReadBudget) -> Result<Vec<u32>, Fault> {
@@ -288,8 +287,19 @@ impl CurvesObject<'_> {
         if self.moves {
             notes.push("it moves: of a transform above only the first sample is read".into());
         }
-        let has_knots = matches!(values(&self.geom, ".knots"), Some((.., [_, ..])));
-        if has_knots && form.basis == Basis::Bspline {
+        let is_bspline = form.basis == Basis::Bspline;
+        let knots = values(&self.geom, ".knots").filter(|(pod, ..)| *pod == 10 && is_bspline);
+        let mut knots = knots
+            .map_or(&[][..], |(.., bytes)| bytes)
+            .chunks_exact(4)
+            .map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+        // Those of a uniform one rise by equal steps; where the next curve's begin, they fall.
+        let mut last = knots.next();
+        let steps = knots.filter_map(|knot| Some(knot - last.replace(knot)?));
+        let (low, high) = steps
+            .filter(|step| *step >= 0.0)
+            .fold((f32::MAX, 0f32), |(low, high), step| (low.min(step), high.max(step)));
+        if high > 1.001 * low {
             notes.push("its knots are not read: it is taken as a uniform B-spline".into());
         }
         notes

@@ -56,8 +56,7 @@ impl<'a> CurvesPrim<'a> {
         if bad.faults.is_empty() {
             bad = Bad::of(&counts, &points);
         }
-        let mut faults: Vec<String> = wrong_counts(form, &counts).into_iter().collect();
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = wrong_counts(form, &counts).into_iter().collect();
         let shape = InterpolationCounts::of(form, &counts, points.len());
         let widths = self.widths(&shape, &mut notes, budget)?;
         let primvars = self.primvars(&shape, &mut notes, budget)?;
@@ -73,8 +72,8 @@ impl<'a> CurvesPrim<'a> {
             notes,
         };
         let is_left = bad.drop_from(&mut curves, budget)?;
-        faults.extend(bad.faults);
-        Ok(PrimCurves { curves: is_left.then_some(curves), faults, is_empty: false })
+        let curves = is_left.then_some(curves);
+        Ok(PrimCurves { curves, faults: bad.faults, is_empty: false })
     }
 
     fn take(&mut self, name: &str) -> Option<PrimAttribute> {
