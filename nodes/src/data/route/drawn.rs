@@ -56,7 +56,7 @@ impl Dip {
 
 /// A place of a span, and what the skin says there.
 #[derive(Clone, Copy)]
-pub(crate) struct Sample {
+pub(crate) struct SkinSample {
     t: f32,
     /// There, cm.
     pub(crate) at: Vec3,
@@ -68,7 +68,7 @@ pub(crate) struct Sample {
     way: Option<Vec3>,
 }
 
-impl Sample {
+impl SkinSample {
     fn worse(self, other: Self) -> Self {
         if other.excess > self.excess { other } else { self }
     }
@@ -110,7 +110,7 @@ impl Skin<'_> {
         near: &mut Option<u32>,
     ) -> Option<Dip> {
         let deepest = self.deepest(&DrawnSpan::of(points, k), allowed, near)?;
-        let Sample { t, at, excess, way, .. } = deepest;
+        let SkinSample { t, at, excess, way, .. } = deepest;
         Some(Dip { span: k, t, at, excess, way: way.filter(|_| excess > DIP)? })
     }
 
@@ -120,7 +120,7 @@ impl Skin<'_> {
         span: &DrawnSpan,
         allowed: [f32; 2],
         near: &mut Option<u32>,
-    ) -> Option<Sample> {
+    ) -> Option<SkinSample> {
         let (middle, radius) = span.ball();
         if self.is_clear(middle, radius) {
             return None;
@@ -160,10 +160,11 @@ impl Skin<'_> {
         [from, to]: [f32; 2],
         reach: f32,
         near: &mut Option<u32>,
-    ) -> Sample {
+    ) -> SkinSample {
         let at = span.at(t);
         let may = (from + (to - from) * t).max(0.0);
-        let told = |distance: f32, way| Sample { t, at, distance, excess: -distance - may, way };
+        let told =
+            |distance: f32, way| SkinSample { t, at, distance, excess: -distance - may, way };
         if self.is_clear(at, reach) {
             return told(reach, None);
         }
@@ -265,7 +266,7 @@ impl Skin<'_> {
 
 /// Whether the curve, which leaves the straight line between two samples by no more than `aside` (cm), may come so much nearer to the skin
 /// between them than at both that it is too near: the skin rises by no more than a ridge does whose two sides they lie on.
-fn bends(a: &Sample, b: &Sample, aside: f32) -> bool {
+fn bends(a: &SkinSample, b: &SkinSample, aside: f32) -> bool {
     let apart = a.at.distance(b.at);
     // What is farther off than the curve is long there is not met.
     if a.distance + b.distance > apart + 2.0 * aside {
