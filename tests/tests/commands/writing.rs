@@ -411,9 +411,9 @@ fn that_nobody_hears_what_is_said_changes_nothing() {
 fn a_pack_that_finds_no_room_says_so_in_one_line() {
     let Some(folder) = prepared("pack-limit", &[File("p.coif", 0o644)]) else { return };
     let before = seen(&folder);
-    // 4 blocks of 512 or 1024 bytes: less than a start-up groom packed.
+    // One block of 512 or 1024 bytes: less than a ball packed.
     let mut limited = Command::new("sh");
-    limited.args(["-c", "ulimit -f 4; exec \"$0\" template pack start --out p.coif"]);
+    limited.args(["-c", "ulimit -f 1; exec \"$0\" template pack g.ron --out p.coif"]);
     let out = limited.arg(coif().get_program()).current_dir(folder.path("")).output().unwrap();
     let err = String::from_utf8_lossy(&out.stderr);
     assert_eq!(out.status.code(), Some(1), "{err}");

@@ -78,7 +78,7 @@ impl TakenUnit {
         };
         let why = match self.by {
             By::Option => return format!("unit: {unit}, as --unit says"),
-            By::Head => "the roots lie on the head so".to_owned(),
+            By::Head => "in which the roots lie on the head".to_owned(),
             By::Application => format!("as {} writes", short(&self.application)),
             By::Nothing => {
                 return "unit: not declared (Alembic has none), and nothing tells it: centimetres are taken. Give --unit, or the \
