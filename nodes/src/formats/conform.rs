@@ -1,7 +1,7 @@
 //! Conforming curves for other tools: resampling until both readings of a Catmull-Rom spline are the same hair.
 //!
 //! Other readers interpret `catmullRom` as uniform, coif as centripetal (methods.md 0). [`conform`] resamples the curves on which
-//! the two differ by more than [`AGREE`], each until they agree.
+//! the two differ by more than [`AGREE`](crate::maths::catmull_rom_agreement::AGREE), each until they agree.
 //!
 //! Guarantees: the root of a curve stays, all other points are new ones of the same curve, as far out of the skin as it
 //! allows. Where no points of the same curve do, which is where the skin makes it leap or kink (an ear between two points),
