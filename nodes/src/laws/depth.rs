@@ -117,7 +117,9 @@ mod tests {
         let found = measure(&hair, &scalp);
         assert!(found.too_deep > 0 && found.curves > 0 && found.beyond_cm > 0.05, "{found:?}");
         let (at, curve) = (Vec3::from(found.at.unwrap()), found.curve.unwrap());
-        assert!((skin.distance(at) + found.beyond_cm).abs() < 1e-3, "{found:?}");
+        let hit = scalp.surface().closest(at).unwrap();
+        let distance = scalp.surface().signed_distance(at, &hit);
+        assert!((distance + found.beyond_cm).abs() < 1e-3, "{found:?}");
         let spans = hair.curve(curve).len() - 1;
         let off = |k: usize| {
             let span = DrawnSpan::of(hair.curve(curve), k);

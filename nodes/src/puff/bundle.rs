@@ -11,7 +11,7 @@ use super::tie::Tie;
 use crate::data::attributes::{Attribute, Column, Domain, FIBRE, ID, PARENT, PUFF};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::ramp::Ramp;
-use crate::data::route::makers::lift_each;
+use crate::data::route::makers::lift_drawn;
 use crate::data::scalp::Skin;
 use crate::define::NodeError;
 use crate::eval::{EvalCx, Piece, Size};
@@ -256,7 +256,8 @@ impl Bundle<'_> {
             }
         }
         let whole = 1..points.len();
-        lift_each(&self.skin, points, whole, |_| 0.0);
+        // Its points stay at their stops: spaced anew, they would leave the way to the tie.
+        lift_drawn(&self.skin, points, whole, |_| 0.0);
         nearest.map_or(parent, |l| l.id)
     }
 }

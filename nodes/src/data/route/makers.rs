@@ -33,13 +33,13 @@ pub(crate) fn lift_each(
     which: Range<usize>,
     height: impl Fn(usize) -> f32,
 ) {
-    if lift_all(skin, hair, which.clone(), &height) {
+    if lift_drawn(skin, hair, which.clone(), &height) {
         space_evenly(skin, hair, which, height, &mut Spline::default());
     }
 }
 
-/// Lifts points and what is drawn between them; tells whether any was moved.
-fn lift_all(
+/// [`lift_each`] that leaves the spacing as it comes; tells whether any was moved.
+pub(crate) fn lift_drawn(
     skin: &Skin,
     hair: &mut [Vec3],
     which: Range<usize>,
@@ -73,7 +73,7 @@ fn space_evenly(
         for (k, p) in hair.iter_mut().enumerate().take(last).skip(1) {
             *p = spline.at(k as f32 / last as f32);
         }
-        lift_all(skin, hair, 1..last, |k| height(first + k));
+        lift_drawn(skin, hair, 1..last, |k| height(first + k));
     }
 }
 

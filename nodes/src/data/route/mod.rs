@@ -267,7 +267,7 @@ fn leads_over(home: &Home, old: &[Vec3], new: &[Vec3]) -> Result<(), Left> {
     if !home.passes(new) {
         return Ok(());
     }
-    let first = (1..old.len()).find(|k| home.passes(&old[k - 1..=*k]));
+    let first = (1..old.len()).find(|k| home.passes_before(old, k + 1));
     if home.passes_before(new, first.unwrap_or(new.len())) { Err(Left::Over) } else { Ok(()) }
 }
 
