@@ -9,6 +9,7 @@ use crate::display::{linear_from_srgb, srgb};
 use crate::gpu::Gpu;
 use crate::pipelines::Layouts;
 use coif_nodes::formats::looks::TextureWrap;
+use coif_nodes::formats::picture_in::without_profile;
 use glam::{Affine2, Vec3};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -128,7 +129,8 @@ fn check_size(width: u64, height: u64) -> Result<(), String> {
 }
 
 fn read_png(bytes: &[u8]) -> Result<([u32; 2], Vec<u8>), String> {
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
+    let plain = without_profile(bytes);
+    let mut reader = ImageReader::with_format(Cursor::new(&*plain), ImageFormat::Png);
     let mut limits = Limits::default();
     limits.max_alloc = Some(8 * MOST);
     reader.limits(limits);

@@ -320,16 +320,23 @@ fn eye(head: &mut Solid, scalp: &Scalp, number: u32, tone: Tone, irises: &[Iris]
     }
 }
 
-/// A disc for shadows under all that casts, at the height of its lowest point; none without solids. It ends softly.
-pub fn ground(solids: &[Solid]) -> Option<Solid> {
+/// A disc for shadows under all that casts and under all hair, of which `lowest` is the lowest point (infinite without hair); none
+/// without solids. It ends softly, so nothing may lie below it: that would vanish behind the disc and come back beside it.
+pub fn ground(solids: &[Solid], lowest: f32) -> Option<Solid> {
     const RINGS: u32 = 12;
     const SIDES: u32 = 64;
+    /// cm.
+    const UNDER_HAIR: f32 = 0.5;
     let points = || {
         let casting = solids.iter().filter(|s| s.casts);
         casting.flat_map(|s| s.points.iter().copied()).filter(|p| p.is_finite())
     };
     let first = points().next()?;
-    let (lower, upper) = points().fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let (mut lower, upper) = points().fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    if lowest < lower.y && lowest.is_finite() {
+        // A curve may pass a little below its points, and a floor that stays while hair is combed is not sent anew.
+        lower.y = (lowest - UNDER_HAIR).floor();
+    }
     let centre = Vec3::new(0.5 * (lower.x + upper.x), lower.y, 0.5 * (lower.z + upper.z));
     // Shadows nearby tell where the head stands; far ones only darken the picture.
     let radius = (upper - lower).length() * 0.8 + 1.0;
@@ -443,7 +450,7 @@ mod tests {
         let head = head_solid(&bust_with_materials(), Tone::Clay);
         let lowest = head.points.iter().fold(f32::MAX, |y, p| y.min(p.y));
         let ghost = Solid { casts: false, points: vec![Vec3::NEG_Y * 99.0], ..head.clone() };
-        let disc = ground(&[head, ghost.clone()]).unwrap();
+        let disc = ground(&[head.clone(), ghost.clone()], lowest + 0.1).unwrap();
         assert!(disc.points.iter().all(|p| p.y == lowest));
         assert!(!disc.casts && disc.material == Material::Ground);
         assert_eq!((disc.colours[0], *disc.colours.last().unwrap()), (Vec3::ONE, Vec3::ZERO));
@@ -451,8 +458,18 @@ mod tests {
             let [a, b, c] = t.map(|v| disc.points[v as usize]);
             assert!((b - a).cross(c - a).y > 0.0);
         }
-        assert_eq!(ground(&[]), None);
-        assert_eq!(ground(&[ghost]), None);
+        assert_eq!(ground(&[], f32::INFINITY), None);
+        assert_eq!(ground(&[ghost], -30.0), None);
+        // Hair that hangs lower moves it down, and it grows with its distance.
+        for (hair, at) in
+            [(lowest - 0.1, (lowest - 0.6).floor()), (-100.2, -101.0), (-1e6, -1_000_001.0)]
+        {
+            let under = ground(&[head.clone()], hair).unwrap();
+            assert!(under.points.iter().all(|p| p.y == at && p.y < hair), "{hair}");
+            assert!(under.points[700].x.abs() >= disc.points[700].x.abs());
+        }
+        assert_eq!(ground(&[head.clone()], f32::NEG_INFINITY), Some(disc.clone()));
+        assert_eq!(ground(&[head], f32::NAN), Some(disc));
     }
 
     #[test]

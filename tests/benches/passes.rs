@@ -34,7 +34,7 @@ fn main() {
     };
     let began = Instant::now();
     let mut solids = vec![head_solid(&groom.scalp, Tone::Monk(5))];
-    solids.extend(ground(&solids));
+    solids.extend(ground(&solids, f32::INFINITY));
     renderer.set_solids(solids);
     renderer.set_roots(RootGrid::of(&groom.hair, SPREAD));
     renderer.set_camera(&frame(&Viewpoint::ThreeQuarter, &subject, 85.0, 1280.0 / 720.0));

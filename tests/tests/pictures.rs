@@ -104,7 +104,7 @@ impl<'a> Scene<'a> {
 
 fn with_ground(head: Solid) -> Vec<Solid> {
     let mut solids = vec![head];
-    solids.extend(ground(&solids));
+    solids.extend(ground(&solids, f32::INFINITY));
     solids
 }
 

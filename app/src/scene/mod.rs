@@ -138,7 +138,7 @@ impl std::fmt::Display for Skin {
     }
 }
 
-/// Heads with the looks of their files where these are given, and the ground under them; and what cannot be shown.
+/// Heads with the looks of their files where these are given; and what cannot be shown.
 pub(crate) fn heads(
     scalps: &[Arc<Scalp>],
     skin: Skin,
@@ -153,7 +153,6 @@ pub(crate) fn heads(
         solids.push(head);
         remarks.extend(told);
     }
-    solids.extend(ground(&solids));
     (solids, remarks)
 }
 
@@ -170,6 +169,14 @@ pub(crate) struct Dressed {
 }
 
 impl Dressed {
+    /// The ground under heads and all that is drawn; none without heads.
+    pub(crate) fn ground(&self, heads: &[Solid]) -> Option<Solid> {
+        let hair = self.drawn.tufts().iter().flat_map(|tuft| tuft.points());
+        let tubes = self.tubes.iter().flat_map(|tubes| &tubes.points);
+        let heights = hair.chain(tubes).map(|p| p.y).filter(|y| y.is_finite());
+        ground(heads, heights.fold(f32::INFINITY, f32::min))
+    }
+
     /// What is drawn of `hair`, or of the curves that it follows.
     ///
     /// # Errors
@@ -216,6 +223,39 @@ fn thick(curves: &Curves) -> Curves {
 mod tests {
     use super::*;
     use coif_shaders::view::NAMES;
+
+    #[test]
+    fn the_ground_lies_under_all_that_is_drawn() {
+        use coif_nodes::data::curves::TuftBuilder;
+        use coif_nodes::data::scalp::{HeadFrame, REGION};
+        use coif_nodes::maths::closest::Surface;
+        let hanging = |from: f32, to: f32| {
+            let mut tuft = TuftBuilder::new();
+            tuft.push_curve(&[from, 0.5 * (from + to), to].map(|y| Vec3::new(9.0, y, 0.0)));
+            Curves::new(vec![Arc::new(tuft.build())])
+        };
+        let bust = coif_nodes::scalp::bust::adult();
+        let masks = [(REGION.to_owned(), vec![1.0; bust.points.len()])];
+        let surface = Surface::new(bust.points, bust.triangles);
+        let scalp = Scalp::new(surface, None, HeadFrame::IDENTITY, masks.into());
+        let head = head_solid(&scalp, Tone::Monk(5));
+        let lowest = head.points.iter().fold(f32::MAX, |low, p| low.min(p.y));
+        let height = |show: &Show, hair: &Curves, heads: &[Solid]| {
+            let dressed = Dressed::of(show, hair, hair, None).expect("hair");
+            dressed.ground(heads).map(|ground| ground.points[0].y)
+        };
+        let hair = Show::Hair(View::Hair);
+        for (show, to, at) in [
+            (&hair, lowest + 1.0, lowest..=lowest),
+            (&hair, lowest - 40.0, lowest - 42.0..=lowest - 40.0),
+            (&Show::Guides, lowest - 40.0, lowest - 42.0..=lowest - 40.0),
+            (&Show::Clusters, lowest - 40.0, lowest - 43.0..=lowest - 40.0),
+        ] {
+            let found = height(show, &hanging(0.0, to), std::slice::from_ref(&head));
+            assert!(found.is_some_and(|y| at.contains(&y)), "{show:?} {to}: {found:?}");
+        }
+        assert_eq!(height(&hair, &hanging(0.0, -40.0), &[]), None);
+    }
 
     #[test]
     fn every_view_of_hair_is_in_the_table_and_nothing_in_it_is_an_attribute() {

@@ -94,7 +94,13 @@ fn read_as(bytes: &[u8], side: Side, take: Take) -> Result<Mesh, MeshError> {
     // The scene, or a substitute if it has no triangles.
     for plan in SceneSource::of(&tables)? {
         let mut total = Total::default();
-        scene::walk(&tables, plan, &mut |draw| total.add(&tables, draw, &mut budget))?;
+        let hidden = scene::walk(&tables, plan, &mut |draw| total.add(&tables, draw, &mut budget))?;
+        // Meshes alone stand in for nodes that show none, not for those that hide them.
+        if total.triangles == 0 && hidden > 0 {
+            let reason = "every node with triangles is hidden by KHR_node_visibility: show the head, or export it without";
+            return Err(MeshError::at("file", reason));
+        }
+        reader.notes.hidden = hidden;
         if total.triangles == 0 {
             continue;
         }
@@ -315,6 +321,7 @@ struct Notes {
     uneven_weights: usize,
     weightless: usize,
     instanced: usize,
+    hidden: usize,
     left_over: usize,
     without_uv: usize,
     uv_not_finite: usize,
@@ -421,6 +428,10 @@ impl<'a> Reader<'_, 'a> {
             ),
             (notes.morphed, "primitives are morphed as far as the file says"),
             (notes.uneven_targets, "primitives have more morph targets or fewer than weights"),
+            (
+                notes.hidden,
+                "nodes are hidden by KHR_node_visibility: they and what lies in them were left out",
+            ),
             (notes.instanced, "nodes have EXT_mesh_gpu_instancing: their copies were left out"),
         ] {
             if n > 0 {
@@ -586,6 +597,28 @@ mod tests {
         let note = "note: no node shows a mesh: all meshes were read as they lie";
         check(&[("scenes", ""), ("nodes", "")], &["@", "#", parts, note]);
         check(&[("scenes", ""), ("nodes", "[{}]")], &["@", "#", parts, note]);
+    }
+
+    #[test]
+    fn hidden_nodes_show_nothing_even_where_nothing_else_is_shown() {
+        let nodes = |visible: &str| {
+            format!(
+                r#"[{{"name":"head","mesh":0}},{{"name":"hair","children":[2],"extensions":{{"KHR_node_visibility":{visible}}}}},
+                    {{"name":"lock","mesh":0}}]"#
+            )
+        };
+        let scenes = |roots: &str| format!(r#"[{{"nodes":[{roots}]}}]"#);
+        let hidden = nodes(r#"{"visible":false}"#);
+        let note = "note: 1 nodes are hidden by KHR_node_visibility: they and what lies in them were left out";
+        let head = "parts [\"head\"] [0, 0]";
+        check(&[("nodes", &hidden), ("scenes", &scenes("0,1"))], &["@", "#", head, note]);
+        for shown in ["{}", r#"{"visible":true}"#] {
+            let both = told(&square(&[("nodes", &nodes(shown)), ("scenes", &scenes("0,1"))]));
+            assert!(both.contains(r#"parts ["head", "lock"] [0, 0, 1, 1]"#), "{both}");
+        }
+        // A scene that hides all it has is not another scene, nor meshes without one.
+        let none = "file: every node with triangles is hidden by KHR_node_visibility: show the head, or export it without";
+        check(&[("nodes", &hidden), ("scenes", &scenes("1"))], &[none]);
     }
 
     #[test]

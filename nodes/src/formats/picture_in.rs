@@ -7,6 +7,7 @@
 
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use std::borrow::Cow;
 use std::io::Cursor;
 use tiff::tags::{CompressionMethod, Tag};
 
@@ -38,7 +39,8 @@ pub struct Grey {
 /// # Errors
 /// What is wrong with the file and what to do, in one line.
 pub fn read_picture(bytes: &[u8], channel: Channel) -> Result<Grey, String> {
-    let reader = ImageReader::new(Cursor::new(bytes));
+    let plain = without_profile(bytes);
+    let reader = ImageReader::new(Cursor::new(&*plain));
     let mut reader =
         reader.with_guessed_format().map_err(|err| format!("it cannot be read: {err}"))?;
     match reader.format() {
@@ -115,6 +117,37 @@ pub fn tiles_fault(path: &str) -> Option<&'static str> {
     )
 }
 
+/// A PNG without its colour profile; any other bytes as they are.
+///
+/// Profiles are not read, but the reader would unpack them: 200 KB of a file become 200 MB.
+pub fn without_profile(bytes: &[u8]) -> Cow<'_, [u8]> {
+    const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+    // Length, kind and sum of a chunk, besides its data.
+    const FRAME: usize = 12;
+    let mut at = SIGNATURE.len();
+    let mut plain: Option<Vec<u8>> = None;
+    while bytes.starts_with(SIGNATURE)
+        && let Some([a, b, c, d, kind @ ..]) = bytes.get(at..).and_then(<[u8]>::first_chunk::<8>)
+        && kind != b"IDAT"
+        && let length = u32::from_be_bytes([*a, *b, *c, *d]) as usize
+        && let Some(chunk) = bytes.get(at..).and_then(|rest| rest.get(..FRAME + length))
+    {
+        match (kind == b"iCCP", &mut plain) {
+            (true, None) => plain = Some(bytes[..at].to_vec()),
+            (false, Some(plain)) => plain.extend_from_slice(chunk),
+            _ => {}
+        }
+        at += chunk.len();
+    }
+    match plain {
+        Some(mut plain) => {
+            plain.extend_from_slice(&bytes[at..]);
+            Cow::Owned(plain)
+        }
+        None => Cow::Borrowed(bytes),
+    }
+}
+
 const SAVE: &str = "save it as a PNG or TIFF of 8 or 16 bits, grey or RGB";
 const JPEG: &str = "it is a JPEG, which no two programs read alike: save it as PNG or TIFF";
 
@@ -176,6 +209,31 @@ mod tests {
         }
         for name in ["head.1001.png", "udim/a.png", "<other>.png"] {
             assert_eq!(tiles_fault(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_colour_profile_is_not_unpacked() {
+        let whole = png((0..4 * 64 * 64).collect(), 64);
+        // Between the header, of 33 bytes, and the pixels.
+        let with = |profile: &[u8]| {
+            let length = (profile.len() as u32 - 4).to_be_bytes();
+            let mut bytes = whole[..33].to_vec();
+            for _ in 0..2 {
+                bytes.extend([&length[..], profile, &[0; 4]].concat());
+            }
+            [&bytes[..], &whole[33..]].concat()
+        };
+        let bytes = with(b"iCCPname\0\0unpacked it is 200 MB");
+        assert_eq!(*without_profile(&bytes), whole);
+        // A reader of profiles refuses a second one.
+        assert_eq!(
+            read_picture(&bytes, Channel::Luminance),
+            read_picture(&whole, Channel::Luminance)
+        );
+        let others = with(b"tEXtSoftware\0coif");
+        for bytes in [&whole[..], &others, &bytes[..40], &bytes[..20], b""] {
+            assert!(matches!(without_profile(bytes), Cow::Borrowed(same) if same == bytes));
         }
     }
 

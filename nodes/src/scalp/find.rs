@@ -43,6 +43,8 @@ const COST_OF_A_FACE: usize = 2_000_000;
 /// A candidate with this likeness in the rough test, this many radii away from a head, is another head.
 const SURELY: f32 = 0.65;
 const APART: f32 = 1.5;
+/// What lies nearer to the axis through one of several heads than this belongs to it, in radii.
+const BESIDE: f32 = 2.0;
 /// Smallest area of a head relative to the largest piece: a head has a tenth of a dressed body, and an eye a fiftieth
 /// of a head.
 const LEAST_AREA: f64 = 0.025;
@@ -64,6 +66,19 @@ pub(crate) struct FoundHead {
     pub(crate) piece: Option<u32>,
     /// Other pieces that are also heads.
     pub(crate) others: Vec<u32>,
+    /// Centres of other heads in the same piece, or anywhere where it is no piece of its own; with the same axis up.
+    pub(crate) joined: Vec<Vec3>,
+}
+
+/// What a piece looks like at a glance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// A head: a cranium with a face, and nothing above it that is no hat.
+    Head,
+    /// A cranium above which the mesh goes on, as it does above a knee.
+    Beneath,
+    /// A cranium without a face.
+    Round,
 }
 
 impl FoundHead {
@@ -125,6 +140,8 @@ pub(crate) struct Tried {
     up: Up,
     points: Vec<Vec3>,
     seeming: Vec<Seeming>,
+    /// All that have a cranium, in the order of pieces.
+    all: Vec<Seeming>,
 }
 
 /// A part of the mesh that may be a head: its score, and its sphere from the rough test.
@@ -133,9 +150,23 @@ struct Seeming {
     which: Which,
     likeness: f32,
     fit: Fit,
+    /// Whether the mesh goes on above it: no head.
+    beneath: bool,
 }
 
 impl Tried {
+    /// The pieces that have a cranium, with what they look like.
+    pub(crate) fn looks(&self) -> impl Iterator<Item = (u32, Look)> {
+        self.all.iter().filter_map(|seeming| {
+            let Which::Only(piece) = seeming.which else { return None };
+            let look = match seeming {
+                Seeming { beneath: true, .. } => Look::Beneath,
+                seeming if seeming.is_head() => Look::Head,
+                _ => Look::Round,
+            };
+            Some((piece, look))
+        })
+    }
     /// Score of the likeliest part; -1 if there is none.
     pub(crate) fn promises(&self) -> f32 {
         self.seeming.first().map_or(-1.0, |seeming| seeming.likeness)
@@ -166,16 +197,17 @@ impl<'a> Search<'a> {
         check: &impl Fn() -> Result<(), NodeError>,
     ) -> Result<Tried, NodeError> {
         let points: Vec<Vec3> = self.points.iter().map(|p| up.turned(*p)).collect();
-        let mut tried = Tried { up, points, seeming: vec![] };
+        let mut tried = Tried { up, points, seeming: vec![], all: vec![] };
         let mut parts = vec![Which::Whole];
         if self.pieces.count() > 1 {
             parts.extend(self.pieces.large().map(Which::Only));
         }
-        tried.seeming = self.seeming(&tried, parts.into_iter(), check)?;
+        tried.all = self.seeming(&tried, parts.into_iter(), check)?;
+        tried.seeming = most(tried.all.clone());
         Ok(tried)
     }
 
-    /// Parts that may be heads, likeliest first.
+    /// Parts that have a cranium.
     fn seeming(
         &self,
         tried: &Tried,
@@ -188,10 +220,12 @@ impl<'a> Search<'a> {
             if let Some(fit) = self.sketch.cranium(tried.up, |piece| which.keeps(piece)) {
                 let (points, triangles) = self.mesh(tried, which);
                 let likeness = face::glimpse(&points, &triangles, &fit, false);
-                seeming.push(Seeming { which, likeness, fit });
+                let alone = matches!(which, Which::Only(_));
+                let beneath = alone && self.sketch.goes_on_above(tried.up, &fit);
+                seeming.push(Seeming { which, likeness, fit, beneath });
             }
         }
-        Ok(most(seeming))
+        Ok(seeming)
     }
 
     fn mesh<'t>(
@@ -222,14 +256,80 @@ impl<'a> Search<'a> {
         check: &impl Fn() -> Result<(), NodeError>,
     ) -> Result<FoundHead, NodeError> {
         check()?;
-        let mut spent = 0;
         let (points, triangles) = self.mesh(tried, which);
-        let fit = fit::cranium(&points, &triangles, &mut spent, check)?;
-        let is_head = fit.filter(Fit::head_like);
-        let face = is_head.and_then(|fit| face::face(&points, &triangles, &fit));
+        let (found, spent) = examined(&points, &triangles, check)?;
         drop((points, triangles));
-        self.spent += spent + COST_OF_A_FACE;
-        Ok(FoundHead { fit, face, ..FoundHead::default() })
+        self.spent += spent;
+        Ok(found)
+    }
+
+    /// Heads that stand beside one another in one piece, or anywhere, highest first, each with its likeness to a face.
+    fn joined(
+        &self,
+        tried: &Tried,
+        piece: Option<u32>,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Vec<Seeming>, NodeError> {
+        let mut heads = vec![];
+        let whole = self.sketch.craniums(tried.up, piece).into_iter();
+        for fit in whole.filter(|fit| fit.cover >= WHOLE) {
+            check()?;
+            let (points, triangles) = self.near(tried, &fit);
+            let likeness = face::glimpse(&points, &triangles, &fit, false);
+            let beneath = self.sketch.goes_on_above(tried.up, &fit);
+            heads.push(Seeming { which: Which::Whole, likeness, fit, beneath });
+        }
+        heads.retain(Seeming::is_head);
+        Ok(heads)
+    }
+
+    /// The mesh about a cranium, and no other head.
+    fn near(&self, tried: &Tried, fit: &Fit) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let is_near = |v: &u32| {
+            let off = (tried.points[*v as usize] - fit.centre) / fit.radius;
+            off.with_y(0.0).length() <= BESIDE && off.y.abs() <= 2.0 * BESIDE
+        };
+        only(&tried.points, self.triangles.iter().filter(|t| t.iter().all(is_near)))
+    }
+
+    /// The likeliest of several heads that stand beside one another with this axis up, where the whole mesh shows none.
+    pub(crate) fn one_of_many(
+        &mut self,
+        tried: &Tried,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Option<FoundHead>, NodeError> {
+        let heads = self.joined(tried, None, check)?;
+        if heads.len() < 2 {
+            return Ok(None);
+        }
+        for head in most(heads) {
+            let (points, triangles) = self.near(tried, &head.fit);
+            let (found, spent) = examined(&points, &triangles, check)?;
+            self.spent += spent;
+            if found.is_sure() && found.is_bare() {
+                let piece = (self.pieces.count() == 1).then_some(0);
+                return Ok(Some(FoundHead { piece, ..found }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The head that was found, with what other heads are in its piece.
+    pub(crate) fn with_joined(
+        &self,
+        tried: &Tried,
+        found: FoundHead,
+        check: &impl Fn() -> Result<(), NodeError>,
+    ) -> Result<FoundHead, NodeError> {
+        let Some(fit) = found.fit else { return Ok(found) };
+        let heads = self.joined(tried, found.piece, check)?;
+        let others = heads.iter().filter(|head| head.is_besides(&fit));
+        Ok(FoundHead { joined: others.map(|head| head.fit.centre).collect(), ..found })
+    }
+
+    /// Whether a cranium stands on something.
+    pub(crate) fn has_neck(&self, tried: &Tried, fit: &Fit) -> bool {
+        self.sketch.has_neck(tried.up, fit)
     }
 
     /// The best of these candidates; `None` if none is a head. A candidate that is far more likely than the later ones
@@ -278,8 +378,8 @@ impl<'a> Search<'a> {
         let pieces: Vec<Seeming> = pieces.copied().collect();
         if let Some((Which::Only(piece), best)) = self.best(tried, &pieces, -1.0, check)? {
             let found = if whole.agrees(&best) { whole } else { best };
-            let others =
-                pieces.iter().filter(|other| found.fit.is_some_and(|fit| other.is_besides(&fit)));
+            let others = tried.all.iter();
+            let others = others.filter(|other| found.fit.is_some_and(|fit| other.is_besides(&fit)));
             let others = others.filter_map(|other| match other.which {
                 Which::Only(other) => Some(other),
                 _ => None,
@@ -292,7 +392,7 @@ impl<'a> Search<'a> {
             return Ok(best);
         }
         let without = large.clone().take(MOST_WITHOUT).map(Which::Without);
-        let seeming = self.seeming(tried, without, check)?;
+        let seeming = most(self.seeming(tried, without, check)?);
         if let Some((_, found)) = self.best(tried, &seeming, best.likeness() + 0.05, check)? {
             best = found;
         }
@@ -303,7 +403,7 @@ impl<'a> Search<'a> {
                 check()?;
                 let (points, triangles) = self.mesh(tried, which);
                 let likeness = face::glimpse(&points, &triangles, &fit, true);
-                seeming.push(Seeming { which, likeness, fit });
+                seeming.push(Seeming { which, likeness, fit, beneath: false });
             }
             for Seeming { which, .. } in most(seeming) {
                 let (points, triangles) = self.mesh(tried, which);
@@ -319,17 +419,21 @@ impl<'a> Search<'a> {
 }
 
 impl Seeming {
+    /// Whether it is clearly a head.
+    fn is_head(&self) -> bool {
+        let is_whole = self.fit.head_like() && self.fit.cover >= WHOLE;
+        is_whole && self.likeness >= SURELY && !self.beneath
+    }
     /// Whether it is clearly a head, and a different one from that of this cranium.
     fn is_besides(&self, fit: &Fit) -> bool {
         let apart = self.fit.centre.distance(fit.centre) / fit.radius;
-        let is_head = self.fit.head_like() && self.fit.cover >= WHOLE && self.likeness >= SURELY;
-        is_head && apart > APART && (0.5..2.0).contains(&(self.fit.radius / fit.radius))
+        self.is_head() && apart > APART && (0.5..2.0).contains(&(self.fit.radius / fit.radius))
     }
 }
 
 /// The likeliest candidates, best first.
 fn most(mut seeming: Vec<Seeming>) -> Vec<Seeming> {
-    seeming.retain(|seeming| seeming.likeness >= PROMISING);
+    seeming.retain(|seeming| seeming.likeness >= PROMISING && !seeming.beneath);
     seeming.sort_by(|a, b| b.likeness.total_cmp(&a.likeness).then(a.which.cmp(&b.which)));
     seeming.truncate(MOST_LOOKED_AT);
     seeming
@@ -400,6 +504,19 @@ impl Pieces {
         let large = self.areas.iter().take(MOST_TRIED).filter(|area| **area >= least);
         0..large.count() as u32
     }
+}
+
+/// A mesh, examined as a head; also what that cost.
+fn examined(
+    points: &[Vec3],
+    triangles: &[[u32; 3]],
+    check: &impl Fn() -> Result<(), NodeError>,
+) -> Result<(FoundHead, usize), NodeError> {
+    let mut spent = COST_OF_A_FACE;
+    let fit = fit::cranium(points, triangles, &mut spent, check)?;
+    let is_head = fit.filter(Fit::head_like);
+    let face = is_head.and_then(|fit| face::face(points, triangles, &fit));
+    Ok((FoundHead { fit, face, ..FoundHead::default() }, spent))
 }
 
 /// A mesh of only some triangles.

@@ -6,10 +6,10 @@
 
 use super::axes::{Forward, Up};
 use super::face::{By, FACE};
-use super::find::{self, FoundHead, Pieces, Search};
+use super::find::{self, FoundHead, Pieces};
 use super::fit::{self, Fit};
 use super::parts::{self, Parts};
-use super::{bust, drawn, facing, hollow, landmarks, region};
+use super::{bust, choose, drawn, facing, hollow, landmarks, region};
 use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
 use crate::data::outline::ConnectedSurface;
@@ -163,12 +163,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (mut points, mut triangles, mut uvs) = (mesh.points, mesh.triangles, mesh.uvs);
     cx.check()?;
     let (up, found) = match inputs.fit {
-        FitBy::Cranium => find_head(cx, &inputs, &points, &triangles, &pieces)?,
+        FitBy::Cranium => {
+            let mesh = choose::Choice { points: &points, triangles: &triangles, pieces: &pieces };
+            mesh.head(cx, &parts, inputs.up, inputs.forward)?
+        }
         FitBy::None => (inputs.up, FoundHead::default()),
     };
     points.iter_mut().for_each(|p| *p = up.turned(*p));
     let fit = found.fit;
-    doubt(cx, fit.as_ref(), &parts);
+    choose::doubt_crown(cx, fit.as_ref(), &parts);
     let is_skin: Vec<bool> = match found.piece {
         Some(piece) => pieces.of.iter().map(|of| *of == piece).collect(),
         None => vec![],
@@ -177,7 +180,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         (Some(fit), false) => find::over_the_crown(&points, &triangles, fit, |t| is_skin[t]),
         _ => vec![],
     };
-    tell_others(cx, &found, &pieces, &parts);
     if let Some(proposal) = parts.propose(&points, &triangles, &is_skin, &over) {
         let (said, is_in_the_way) = proposal.said();
         if is_in_the_way { cx.warn(said) } else { cx.remark(said) }
@@ -313,24 +315,6 @@ fn tell_rough(cx: &EvalCx, rough: Rough, frame: &HeadFrame) {
     }
 }
 
-/// Reports additional heads.
-fn tell_others(cx: &EvalCx, found: &FoundHead, pieces: &Pieces, parts: &Parts) {
-    let (Some(piece), false) = (found.piece, found.others.is_empty()) else { return };
-    let told = |is: &dyn Fn(u32) -> bool| {
-        parts.listed_mostly_in(&pieces.of.iter().map(|of| is(*of)).collect::<Vec<_>>())
-    };
-    let (this, others) = (told(&|of| of == piece), told(&|of| found.others.contains(&of)));
-    let many = if found.others.len() == 1 { "another head" } else { "other heads" };
-    let (which, this) = match this.is_empty() || others.is_empty() {
-        true => (String::new(), "one of them".to_owned()),
-        false => (format!(", {others}"), this),
-    };
-    cx.warn(format!(
-        "the mesh has {many}{which}: hair grows on {this} alone. For hair on another one leave this one out (leave_out), or \
-         choose where it grows (region)"
-    ));
-}
-
 /// Reports what was flipped: all of an `inside_out` mesh, except for what was then flipped back.
 fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: &Parts) {
     let Some(mut turned) = turned else {
@@ -381,86 +365,6 @@ fn leave_out(
     mesh.leave_out(&left_out.gone);
     let all = (0u32..).zip(&left_out.gone);
     Ok(Some(all.filter(|(_, gone)| !**gone).map(|(t, _)| t).collect()))
-}
-
-/// Number of other axes, the most promising ones, that are examined closely.
-const MOST_AXES: usize = 2;
-
-/// The head with the given axis up; if there is none, with another axis that clearly shows one. A cranium that is not
-/// one is dropped and reported.
-fn find_head(
-    cx: &EvalCx,
-    inputs: &Inputs,
-    points: &[Vec3],
-    triangles: &[[u32; 3]],
-    pieces: &Pieces,
-) -> Result<(Up, FoundHead), NodeError> {
-    let mut search = Search::new(points, triangles, pieces);
-    let check = || cx.check();
-    let tried = search.try_up(inputs.up, &check)?;
-    let asked = search.head(&tried, true, &check)?;
-    if asked.is_sure() {
-        return Ok((inputs.up, asked));
-    }
-    // Messages about the face have to stay true.
-    let stays_true =
-        |other: &Up| inputs.forward.axis().is_none_or(|axis| other.turned(axis).y == 0.0);
-    let others = Up::ALL.into_iter().filter(|other| *other != inputs.up).filter(stays_true);
-    let mut promising =
-        others.map(|other| search.try_up(other, &check)).collect::<Result<Vec<_>, _>>()?;
-    promising.sort_by(|a, b| b.promises().total_cmp(&a.promises()));
-    let (mut best, mut up) = (None::<FoundHead>, inputs.up);
-    for tried in promising.iter().filter(|tried| tried.promises() > 0.0).take(MOST_AXES) {
-        let found = search.head(tried, false, &check)?;
-        let before = best.as_ref().map_or(FACE, FoundHead::likeness);
-        if found.is_sure() && found.is_bare() && found.likeness() > before {
-            (best, up) = (Some(found), tried.up());
-        }
-    }
-    if let Some(found) = best {
-        cx.remark(format!(
-            "no head was found with {} up, and one with {} up: the mesh was turned so (up: {})",
-            inputs.up.name(),
-            up.name(),
-            up.name()
-        ));
-        return Ok((up, found));
-    }
-    if asked.fit.is_some_and(|fit| fit.head_like()) {
-        return Ok((inputs.up, asked));
-    }
-    let up = inputs.up.name();
-    let seen = match asked.fit.filter(|fit| fit.p50.is_finite()) {
-        Some(fit) => format!(
-            "with {up} up half of what lies under the highest point is farther than {:.0} % of the radius from a sphere, of a \
-             head less than {:.0} %",
-            fit.p50 * 100.0,
-            fit::HEAD_LIKE * 100.0
-        ),
-        None => format!("with {up} up no sphere fits what lies under the highest point"),
-    };
-    cx.warn(format!(
-        "no human cranium was found: {seen}; with another axis up no head was found either. So the mesh keeps its own \
-         coordinates. If it is an animal or a thing, set fit to none; if it is a person, set up, or name in leave_out what \
-         stands on the head"
-    ));
-    Ok((inputs.up, FoundHead::default()))
-}
-
-/// Reports if something on the crown may have disturbed the sphere's fit.
-fn doubt(cx: &EvalCx, fit: Option<&Fit>, parts: &Parts) {
-    let Some(fit) = fit.filter(|fit| !fit.is_bare()) else { return };
-    let told = parts.listed();
-    let parts = match told.is_empty() {
-        true => "the mesh has no parts that could be left out".to_owned(),
-        false => format!("leave it out (leave_out; the parts are {told})"),
-    };
-    cx.warn(format!(
-        "the crown is no good sphere: 5 % of it is farther off than {:.0} % of the radius, of a head less than {:.0} %. If hair \
-         or a hat stands on it, {parts}, or set radius and centre",
-        fit.p95 * 100.0,
-        fit::BARE * 100.0
-    ));
 }
 
 /// Scalp area of a person, cm2, and an upper limit for any on a head of average size.

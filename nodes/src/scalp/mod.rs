@@ -4,6 +4,7 @@ mod axes;
 pub mod bust;
 #[cfg(test)]
 mod carry_laws;
+mod choose;
 pub(crate) mod detour;
 mod drawn;
 mod face;

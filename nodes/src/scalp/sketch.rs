@@ -16,6 +16,22 @@ const MOST: f64 = 32768.0;
 /// ... and the minimum for each piece.
 const FEWEST: f64 = 3072.0;
 
+/// What lies nearer to the axis through a cranium than this may be a body above it, radii ...
+const WITHIN: f32 = 0.8;
+/// ... in slabs this high ...
+const SLAB: f32 = 0.5;
+/// ... up to this far above its centre: hats and hair reach 2.5.
+const HIGHEST_HAT: f32 = 4.5;
+/// How far under the centre of a cranium its neck is, radii.
+const NECK: (f32, f32) = (1.1, 1.7);
+/// The most places of a mesh that are looked at as tops of heads ...
+const MOST_TOPS: usize = 24;
+/// ... by what lies within this many heights of the mesh beside them, then within so many radii ...
+const TOP_REACH: f32 = 0.2;
+const APART: f32 = 1.7;
+/// ... and around a place that is none, this many heights are passed over.
+const NO_TOP: f32 = 0.06;
+
 /// The samples of a mesh.
 pub(crate) struct MeshSamples {
     /// Samples of each large piece, and of all others together.
@@ -88,6 +104,64 @@ impl MeshSamples {
         let turned = |cell: &Cell| Cell { at: up.turned(cell.at), ..*cell };
         let samples = kept().flat_map(|group| group.samples.iter().map(turned));
         fit::rough(samples, top, height).filter(|fit| fit.may_be_whole())
+    }
+}
+
+impl MeshSamples {
+    /// Whether the mesh goes on above this cranium, as a leg does above a knee: without a gap, and higher than any hat.
+    pub(crate) fn goes_on_above(&self, up: Up, fit: &Fit) -> bool {
+        let first = (1.0 / SLAB) as usize;
+        let slabs = (HIGHEST_HAT / SLAB) as usize;
+        let mut filled = vec![false; slabs];
+        for at in self.about(up, fit, WITHIN) {
+            if let Some(filled) = filled.get_mut((at.y.max(0.0) / SLAB) as usize) {
+                *filled = true;
+            }
+        }
+        filled[first..].iter().all(|filled| *filled)
+    }
+
+    /// Whether there is something under this cranium that it may stand on.
+    pub(crate) fn has_neck(&self, up: Up, fit: &Fit) -> bool {
+        self.about(up, fit, 1.0).any(|at| (NECK.0..NECK.1).contains(&-at.y))
+    }
+
+    /// All samples at most this far from the vertical axis through a cranium, seen from its centre; all in radii.
+    fn about(&self, up: Up, fit: &Fit, within: f32) -> impl Iterator<Item = Vec3> {
+        let samples = self.groups.iter().flat_map(|group| &group.samples);
+        let seen = samples.map(move |cell| (up.turned(cell.at) - fit.centre) / fit.radius);
+        seen.filter(move |at| at.with_y(0.0).length() <= within)
+    }
+
+    /// The craniums that stand highest about them, each alone, highest first: of one piece, or of all.
+    pub(crate) fn craniums(&self, up: Up, piece: Option<u32>) -> Vec<Fit> {
+        let groups =
+            (0u32..).zip(&self.groups).filter(|(of, _)| piece.is_none_or(|only| *of == only));
+        let mut samples: Vec<Cell> = groups
+            .flat_map(|(_, group)| &group.samples)
+            .map(|cell| Cell { at: up.turned(cell.at), ..*cell })
+            .collect();
+        samples.sort_by(|a, b| b.at.y.total_cmp(&a.at.y));
+        let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return vec![] };
+        let height = first.at.y - last.at.y;
+        let mut found = vec![];
+        for _ in 0..MOST_TOPS {
+            let Some(Cell { at: top, .. }) = samples.first().copied() else { break };
+            let column = |centre: Vec3, wide: f32| {
+                let near = move |cell: &&Cell| (cell.at - centre).with_y(0.0).length() <= wide;
+                samples.iter().filter(near).copied()
+            };
+            // The first sphere is that of all that is near; others stand beside the second.
+            let rough = fit::rough(column(top, TOP_REACH * height), top, height);
+            let alone = rough
+                .and_then(|fit| fit::rough(column(fit.centre, APART * fit.radius), top, height));
+            let alone = alone.filter(|fit| fit.may_be_whole() && fit.head_like());
+            let (middle, wide) =
+                alone.map_or((top, NO_TOP * height), |fit| (fit.centre, APART * fit.radius));
+            found.extend(alone);
+            samples.retain(|cell| (cell.at - middle).with_y(0.0).length() > wide);
+        }
+        found
     }
 }
 

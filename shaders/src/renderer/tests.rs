@@ -728,7 +728,7 @@ fn odd_scenes_give_finite_pictures() {
 fn from_below_the_ground_hides_nothing_and_from_the_front_it_is_seen() {
     let Some(mut renderer) = renderer("from_below_the_ground_hides_nothing") else { return };
     let scene = Scene::of(tufts(0..9));
-    let ground = crate::surface::ground(&scene.solids).expect("a ground");
+    let ground = crate::surface::ground(&scene.solids, f32::INFINITY).expect("a ground");
     let with = [scene.solids.clone(), vec![ground]].concat();
     for (view, hides) in [(Viewpoint::Under, false), (Viewpoint::ThreeQuarter, true)] {
         let surface = Surface::new(scene.solids[0].points.clone(), vec![[0, 1, 2], [0, 2, 3]]);
@@ -747,6 +747,34 @@ fn from_below_the_ground_hides_nothing_and_from_the_front_it_is_seen() {
             assert_eq!(bare.linear != on_ground.linear, hides, "{view:?} {flat}");
         }
     }
+}
+
+#[test]
+fn hair_that_hangs_below_the_head_is_seen_down_to_its_tip() {
+    let Some(mut renderer) = renderer("hair_that_hangs_below_the_head") else { return };
+    let scene = Scene::of(vec![]);
+    let low = scene.solids[0].points.iter().fold(f32::MAX, |low, p| low.min(p.y));
+    let hair = curve(&[Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.0, low - 30.0, 0.0)], 0.4);
+    let mut camera = scene.camera;
+    camera.eye = Vec3::new(0.0, low + 40.0, 90.0);
+    camera.target = Vec3::new(0.0, low - 10.0, 0.0);
+    // Hair alone, and with the ground that lies under it: it is as long in both.
+    let seen = |lowest: Option<f32>, renderer: &mut Renderer| {
+        let solids = crate::surface::ground(&scene.solids, lowest.unwrap_or(f32::INFINITY));
+        let solids = if lowest.is_some() { solids.into_iter().collect() } else { vec![] };
+        let paint = Paint::plain(Vec3::X);
+        Scene { hair: hair.clone(), paint, camera, solids, ..Scene::of(vec![]) }.draw(renderer)
+    };
+    let red = |picture: &Picture| {
+        picture.linear.iter().filter(|c| c[0] > 4.0 * c[1].max(c[2]) && c[3] > 0.0).count()
+    };
+    let bare = red(&seen(None, &mut renderer));
+    assert!(bare > 20, "{bare}");
+    assert!(
+        red(&seen(Some(f32::INFINITY), &mut renderer)) < bare,
+        "a floor at the neck hides some"
+    );
+    assert_eq!(red(&seen(Some(low - 30.0), &mut renderer)), bare);
 }
 
 #[test]

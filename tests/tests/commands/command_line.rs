@@ -262,6 +262,44 @@ fn measuring_half_a_file_says_which_half() {
 }
 
 #[test]
+fn hair_is_measured_on_the_head_that_it_was_grown_on_without_what_was_left_out() {
+    let file = "data/reported/3/head_and_cap.glb";
+    let Some(head) = shared("hair_is_measured_on_the_head", file) else { return };
+    let (head, folder) = (head.display().to_string(), Folder::new("measure-leave-out"));
+    let (path, hair) = (folder.path("graph.ron"), folder.path("hair.usda").display().to_string());
+    std::fs::write(&path, graph(&[HEAD, GUIDES, OUT].concat(), WIRES)).unwrap();
+    let left_out = "head.leave_out=\"Hair* long\"";
+    let path = path.display().to_string();
+    let ran = run(["eval", &path, "--scalp", &head, "--set", left_out, "--out", &hair]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let measure =
+        |more: &[&str]| run([&["measure", &hair, "--json", "--scalp", &head], more].concat());
+    let too_deep = |ran: &Ran| {
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        let all: Json = serde_json::from_str(&ran.out).unwrap();
+        all[0]["scalp"]["too_deep"].as_u64().expect("a count")
+    };
+    let (whole, bare) = (measure(&[]), measure(&["--leave-out", "hair* LONG"]));
+    assert_eq!(too_deep(&bare), 0);
+    assert!(too_deep(&whole) > 0);
+    // What the head node warns of is said here too.
+    let said = "\"Hair, long\" stands over the crown";
+    assert!(whole.err.contains(said) && !bare.err.contains(said), "{}", bare.err);
+    for (more, said) in [
+        (
+            &["--leave-out", "Hat"][..],
+            "--leave-out: \"Hat\" matches nothing; the mesh has the parts \"Head\"",
+        ),
+        (&["--leave-out", "*"], "leaves nothing of the mesh"),
+    ] {
+        let ran = measure(more);
+        assert_eq!(ran.code, 2, "{}", ran.err);
+        assert!(ran.err.contains(said), "{}", ran.err);
+    }
+    assert_eq!(run(["measure", &hair, "--leave-out", "Hair"]).code, 2);
+}
+
+#[test]
 fn the_report_has_the_fields_of_the_contract() {
     let report = eval("start", &[]);
     for field in [

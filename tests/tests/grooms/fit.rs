@@ -4,7 +4,7 @@ use super::pages::{fields, rows};
 use coif_graphs::document::Setting;
 use coif_nodes::define::Value;
 use coif_nodes::formats::usd::read::ReadValues;
-use coif_tests::{Folder, RealHead, curves_in, eval, run, smooth_heads};
+use coif_tests::{Folder, RealHead, curves_in, eval, run, shared, smooth_heads};
 use glam::Vec3;
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -97,6 +97,21 @@ fn what_a_template_has_drawn_is_baked_where_its_group_is_given_it() {
     };
     assert!(off(&was, &is) > 0.1, "{}", off(&was, &is));
     assert!(off(&was, &again) < 0.1, "{}", off(&was, &again));
+}
+
+#[test]
+fn a_mesh_without_a_head_is_refused_until_its_landmarks_are_given() {
+    let Some(cow) = shared("a_mesh_without_a_head", "data/spot/spot_triangulated.obj") else { return };
+    let folder = Folder::new("fit-cow");
+    let (cow, out) = (cow.display().to_string(), folder.path("out.ron"));
+    let args = ["fit", "waves_2b", "--head", &cow, "--out", &out.display().to_string(), "--quality", "preview"]
+        .map(str::to_owned);
+    let ran = run(&args);
+    assert_eq!(ran.code, 2, "{}", ran.err);
+    for words in ["no head was found in it", "--landmarks \"crown X Y Z", "left ear, right ear", &cow] {
+        assert!(ran.err.contains(words), "{words}: {}", ran.err);
+    }
+    assert!(!out.exists());
 }
 
 #[test]

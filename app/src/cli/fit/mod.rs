@@ -26,8 +26,10 @@ use clap::Args;
 use coif_graphs::document::graph::upstream;
 use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
 use coif_graphs::file;
-use coif_graphs::schedule::run::{CancelToken, Evaluator};
-use coif_nodes::data::landmarks::Landmarks;
+use coif_graphs::schedule::files::DiskFiles;
+use coif_graphs::schedule::request::plan;
+use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
+use coif_nodes::data::landmarks::{Landmark, Landmarks};
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
 use coif_nodes::eval::Quality;
@@ -112,16 +114,23 @@ fn fit(
     // Whether the mesh can be read at all is known before anything else runs.
     reads_all(&there, &out_folder, files)?;
     files.allowed().map_err(Stop::failed)?;
-    let at_home = evaluated(&document, &folder, &mut Report::new(name.clone()))?;
+    let scalp_of = |document: &Document, folder: &Path| {
+        scalp_alone(document, folder, &name, &head, args, cancel)
+    };
     let known = document.node(head.as_str()).and_then(|node| text_of(node, "home"));
     // A groom that was carried already is still given in units of its first home.
-    let home = known.unwrap_or_else(|| at_home.scalp.landmarks().to_string().into());
+    let home = match known {
+        Some(home) => home,
+        None => scalp_of(&document, &folder)?.landmarks().to_string().into(),
+    };
     if home.is_empty() {
         return Err(Stop::refused(format!(
             "{name}: {head} has no landmarks: no head was found; say where they are in its input landmarks"
         )));
     }
     set_head(&mut there, &head, &args.head, &args.landmarks, &home, report);
+    refuse_unknown(&*scalp_of(&there, &out_folder)?, &home, args)?;
+    let at_home = evaluated(&document, &folder, &mut Report::new(name.clone()))?;
     let carried = evaluated(&there, &out_folder, report)?;
     let mut made = None;
     if args.bake {
@@ -137,6 +146,59 @@ fn fit(
     report.fit = Some(figures);
     let written = files.write_text(&args.out, &file::write(&there), cancel);
     written.map_err(|why| Stop::unwritten(&args.out, &why, cancel))
+}
+
+/// The scalp of a head node, with nothing that hangs from it.
+fn scalp_alone(
+    document: &Document,
+    folder: &Path,
+    name: &str,
+    head: &NodeId,
+    args: &FitArgs,
+    cancel: &CancelToken,
+) -> Result<Arc<Scalp>, Stop> {
+    let wanted = [Socket::new(head.clone(), "scalp")];
+    let quality = Quality::from(args.quality);
+    let plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
+        .map_err(|err| Stop::refused(format!("{name}: {err}")))?;
+    let evaluator = Evaluator::new(args.threads, 0).map_err(Stop::failed)?;
+    let mut outcome = evaluator.run(&plan, OnFailure::Stop, cancel, &Quiet);
+    if outcome.cancelled {
+        return Err(Stop::interrupted());
+    }
+    match outcome.targets.pop() {
+        Some(Some(Value::Scalp(scalp))) => Ok(scalp),
+        _ => {
+            let failed = outcome.nodes.iter().filter_map(|node| Some((node, node.error.as_ref()?)));
+            let lines = failed.map(|(node, err)| format!("{name}: {}: {err}", node.name));
+            Err(Stop(Exit::Refused, lines.collect()))
+        }
+    }
+}
+
+/// Refuses a head that no map leads to: it would only lay the groom somewhere.
+fn refuse_unknown(there: &Scalp, home: &str, args: &FitArgs) -> Result<(), Stop> {
+    let (here, (home, _)) = (there.landmarks(), Landmarks::parse(home));
+    if there.space().carry().is_some() || here.same(&home) {
+        return Ok(());
+    }
+    let shared: Vec<&str> = home
+        .each()
+        .filter(|(mark, _)| here.get(*mark).is_some())
+        .map(|(mark, _)| mark.name())
+        .collect();
+    let why = match shared.is_empty() {
+        true => "no head was found in it, and no landmark is known".to_owned(),
+        false => {
+            format!("no map leads through the landmarks that are known ({})", shared.join(", "))
+        }
+    };
+    Err(Stop::refused(format!(
+        "--head {}: {why}: say where they lie, in the head frame, in cm on a mesh without a head: --landmarks \"crown X Y Z; chin \
+         X Y Z; ...\", of {}",
+        args.head,
+        Landmark::names()
+    )))
 }
 
 /// What of a graph is looked at besides its outputs.

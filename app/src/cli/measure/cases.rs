@@ -385,7 +385,7 @@ fn what_is_left_out_is_said_with_every_prim() {
 
 #[test]
 fn hair_that_dives_between_its_points_is_found() {
-    let scalp = read_scalp(&PathBuf::from(BUILT_IN)).unwrap();
+    let scalp = read_scalp(&PathBuf::from(BUILT_IN), "").unwrap().0;
     let about = scalp.frame().origin;
     let at = |x: f32| [about.x + x, about.y, about.z];
     // From one side of the head to the other, straight through it: its middle is deep, its ends are not.
@@ -427,7 +427,7 @@ fn limits_of_points_are_laws() {
 
 #[test]
 fn the_built_in_head_can_be_named() {
-    let scalp = read_scalp(&PathBuf::from(BUILT_IN)).unwrap();
+    let scalp = read_scalp(&PathBuf::from(BUILT_IN), "").unwrap().0;
     let root = scalp.closest_root(glam::Vec3::Y * 20.0).unwrap();
     let above = |height: f32| (root.point + root.normal * height).to_array();
     let on = |from: f32, to: f32, more: &str| {

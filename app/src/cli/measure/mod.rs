@@ -35,6 +35,15 @@ pub(crate) struct MeasureArgs {
     /// built-in head
     #[arg(long, value_name = "FILE")]
     scalp: Option<PathBuf>,
+    /// Parts of that mesh that are no skin, such as hair and hats, as in the head node's leave_out: "Hair*, *glasses"
+    #[arg(
+        long,
+        value_name = "NAMES",
+        requires = "scalp",
+        default_value = "",
+        hide_default_value = true
+    )]
+    leave_out: String,
     /// Unit of an .abc file, which declares none. Without, it is guessed by the head of --scalp, then by the application that wrote
     /// the file, and said
     #[arg(long, value_name = "UNIT")]
@@ -91,8 +100,13 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
         };
         return refuse(&args.file, none.to_owned());
     }
-    let scalp = match args.scalp.as_ref().map(read_scalp).transpose() {
-        Ok(scalp) => scalp,
+    let scalp = args.scalp.as_ref().map(|mesh| read_scalp(mesh, &args.leave_out)).transpose();
+    let scalp = match scalp {
+        Ok(read) => read.map(|(scalp, doubts)| {
+            let mesh = args.scalp.as_ref().unwrap_or(&args.file);
+            complain_of(doubts.iter().map(|doubt| format!("{}: {doubt}", shown(mesh))).collect());
+            scalp
+        }),
         Err(reason) => return refuse(args.scalp.as_ref().unwrap_or(&args.file), reason),
     };
     let threads = match Evaluator::new(0, 0) {
@@ -140,20 +154,35 @@ pub(crate) fn run(args: MeasureArgs) -> Exit {
 /// What `--scalp` takes for the head that is part of the program.
 const BUILT_IN: &str = "builtin";
 
-/// The scalp of a mesh file or of the built-in head, as the `head` node makes it with its defaults.
-fn read_scalp(path: &PathBuf) -> Result<Arc<Scalp>, String> {
+/// The scalp of a mesh file or of the built-in head, without the parts that are left out, as the `head` node makes it; and what that
+/// node warns of.
+fn read_scalp(path: &PathBuf, leave_out: &str) -> Result<(Arc<Scalp>, Vec<String>), String> {
     let node = coif_nodes::by_id("head").ok_or("this build has no head node")?;
-    let (at, _) = node.input("mesh").ok_or("this build's head node takes no mesh")?;
     let mut inputs = vec![vec![]; node.inputs.len()];
+    let mut set = |name: &str, value: Value| {
+        let (at, _) = node.input(name).ok_or_else(|| format!("the head node has no {name}"))?;
+        inputs[at].push(value);
+        Ok::<(), String>(())
+    };
     if path.as_os_str() != BUILT_IN {
         let path = std::path::absolute(path).map_err(|err| err.to_string())?;
         let path = crate::pack::led_into(path)?;
-        inputs[at].push(Value::File(DiskFiles::new("/").read(&path.to_string_lossy())?));
+        set("mesh", Value::File(DiskFiles::new("/").read(&path.to_string_lossy())?))?;
+    }
+    if !leave_out.is_empty() {
+        set("leave_out", Value::Text(leave_out.into()))?;
     }
     let log = Log::default();
     let cx = EvalCx::new(0, Quality::Final, Key::default(), &PlainHost, &log);
-    match (node.run)(&cx, &inputs).map_err(|err| err.to_string())?.into_iter().next() {
-        Some(Value::Scalp(scalp)) => Ok(scalp),
+    let made = (node.run)(&cx, &inputs).map_err(|err| err.to_string())?;
+    let doubts: Vec<String> =
+        log.messages().into_iter().filter(|said| said.warning).map(|said| said.text).collect();
+    // What is meant to be left out and is not there would be measured as skin.
+    if let Some(unknown) = doubts.iter().find(|doubt| doubt.starts_with("leave_out: ")) {
+        return Err(format!("--{}", unknown.replacen('_', "-", 1)));
+    }
+    match made.into_iter().next() {
+        Some(Value::Scalp(scalp)) => Ok((scalp, doubts)),
         _ => Err("the head node gave no scalp".to_owned()),
     }
 }

@@ -29,7 +29,7 @@ use coif_shaders::light::Rig;
 use coif_shaders::picture::{Picture, Samples};
 use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Paint, Shading, View};
-use coif_shaders::{Gpu, Look, Material, Precision, Renderer, chart};
+use coif_shaders::{Gpu, Look, Precision, Renderer, chart};
 use files::Format;
 use place::ShotView;
 use std::cell::Cell;
@@ -362,12 +362,12 @@ impl Scene {
             false => scene::heads(&scalps, asked.skin, looks),
         };
         warnings.extend(remarks);
-        if !asked.floor {
-            solids.retain(|solid| solid.material != Material::Ground);
+        let dressed = Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
+            .map_err(|reason| Stop::failed(format!("--view {}: {reason}", asked.view)))?;
+        if asked.floor {
+            solids.extend(dressed.ground(&solids));
         }
-        let Dressed { drawn, paint, tubes, roots } =
-            Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
-                .map_err(|reason| Stop::failed(format!("--view {}: {reason}", asked.view)))?;
+        let Dressed { drawn, paint, tubes, roots } = dressed;
         solids.extend(tubes);
         let frame = scalp.as_ref().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
         let followed = followed.curve_count();

@@ -41,6 +41,7 @@ pub(super) struct Painter {
     given: Option<DrawRequest>,
     look: Option<Look>,
     heads: Vec<Solid>,
+    ground: Option<Solid>,
     /// The looks that heads bring along.
     looks: Kept,
     /// What of them cannot be shown.
@@ -76,6 +77,7 @@ impl Painter {
             given: None,
             look: None,
             heads: vec![],
+            ground: None,
             looks: Kept::default(),
             remarks: vec![],
             roots: None,
@@ -149,8 +151,11 @@ impl Painter {
             tubes: None,
             roots: None,
         });
-        if new_heads || new_show || dressed.tubes.is_some() {
-            self.renderer.set_solids(self.heads.iter().cloned().chain(dressed.tubes).collect());
+        let ground = dressed.ground(&self.heads);
+        if new_heads || new_show || dressed.tubes.is_some() || self.ground != ground {
+            let solids = self.heads.iter().chain(&ground).chain(&dressed.tubes);
+            self.renderer.set_solids(solids.cloned().collect());
+            self.ground = ground;
         }
         // Most changes leave hair where it grows.
         if self.roots != dressed.roots {

@@ -115,9 +115,11 @@ fn samples_rise_to_the_picture_that_the_command_line_makes() {
     let mut renderer = Renderer::new(gpu, 90, 66).expect("a small picture");
     renderer.set_look(&wanted.look);
     renderer.set_rig(&Rig::named("flat").expect("a rig"));
-    renderer.set_solids(crate::scene::heads(&wanted.scalps, wanted.skin, &[]).0);
     let dressed = crate::scene::Dressed::of(&wanted.show, &wanted.hair, &wanted.followed, None)
         .expect("hair");
+    let (mut solids, _) = crate::scene::heads(&wanted.scalps, wanted.skin, &[]);
+    solids.extend(dressed.ground(&solids));
+    renderer.set_solids(solids);
     renderer.set_roots(dressed.roots);
     renderer.set_hair(&dressed.drawn, &dressed.paint);
     renderer.set_camera(&wanted.camera);

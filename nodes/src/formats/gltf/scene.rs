@@ -63,20 +63,20 @@ impl SceneSource {
     }
 }
 
-/// Calls `draw` for each mesh, nodes before those that lie in them.
+/// Calls `draw` for each mesh, nodes before those that lie in them; returns how many nodes are hidden, with all that lies in them.
 ///
 /// A node that lies in two others, or in itself, is refused.
 pub(super) fn walk<'a>(
     tables: &Tables<'a>,
     plan: SceneSource,
     draw: &mut dyn FnMut(&Draw<'a>) -> Result<(), MeshError>,
-) -> Result<(), MeshError> {
+) -> Result<usize, MeshError> {
+    let mut walk = Walk::new(tables);
     match plan {
         SceneSource::Scene(scene) => {
             let place = format!("scenes[{scene}]");
             let scene = tables.scenes.item(scene, "scene")?;
-            let Some(nodes) = scene.get("nodes") else { return Ok(()) };
-            let mut walk = Walk::new(tables);
+            let Some(nodes) = scene.get("nodes") else { return Ok(0) };
             for node in nodes.items() {
                 walk.tree(index(node, &place)?, &place, draw)?;
             }
@@ -93,7 +93,6 @@ pub(super) fn walk<'a>(
                     }
                 }
             }
-            let mut walk = Walk::new(tables);
             for node in (0..is_root.len()).filter(|node| is_root[*node]) {
                 walk.tree(node as u32, "nodes", draw)?;
             }
@@ -115,7 +114,7 @@ pub(super) fn walk<'a>(
             }
         }
     }
-    Ok(())
+    Ok(walk.hidden)
 }
 
 /// The number of a node, which something at `place` names.
@@ -127,13 +126,14 @@ pub(super) fn index(value: JsonValue, place: &str) -> Result<u32, MeshError> {
 struct Walk<'r, 'a> {
     tables: &'r Tables<'a>,
     seen: Vec<bool>,
+    hidden: usize,
     /// The nodes we are in: their number, their children still to come and their transforms.
     stack: Vec<(u32, Items<'a>, Affine)>,
 }
 
 impl<'r, 'a> Walk<'r, 'a> {
     fn new(tables: &'r Tables<'a>) -> Self {
-        Self { tables, seen: vec![false; tables.nodes.len()], stack: Vec::new() }
+        Self { tables, seen: vec![false; tables.nodes.len()], hidden: 0, stack: Vec::new() }
     }
 
     fn tree(
@@ -177,6 +177,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         let extension = |name| node.get("extensions").and_then(|e| e.get(name));
         let visible = extension("KHR_node_visibility").and_then(|v| v.get("visible"));
         if visible.and_then(JsonValue::boolean) == Some(false) {
+            self.hidden += 1;
             return Ok(());
         }
         let world = world_from_parent.times(&Affine::of_node(node, &place)?);

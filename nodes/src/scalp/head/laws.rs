@@ -5,6 +5,7 @@ use super::*;
 use crate::define::Value;
 use crate::maths::hash::Dice;
 use crate::scalp::face::{self, Face};
+use crate::scalp::find::Search;
 use crate::testing::{fails, run, shared_file as file};
 
 const LPS: &str = "lps_head/LeePerrySmith.glb";
