@@ -7,6 +7,7 @@
 //!
 //! Pure functions of documents; nothing here opens a file. What an upgrade does is told for every port before it is done.
 
+use crate::compare::successor;
 use crate::document::edit::{Edit, between};
 use crate::document::graph::HEAD;
 use crate::document::{Document, Node, NodeId, Origin, Setting, Socket, groups};
@@ -168,24 +169,6 @@ pub struct Upgrade {
     pub overrides: Vec<OverrideOutcome>,
     /// The instance was changed inside: that is lost.
     pub changed_inside: bool,
-}
-
-/// The port that a port of an older version is now. One of the same name, unless another has been given that name among its
-/// former ones since: then the ports were renamed, and may even have changed names with each other.
-fn successor(old: &[Port], new: &'static [Port], name: &str) -> Option<&'static Port> {
-    let was = |port: &Port| port.was.iter().any(|was| was == name);
-    let known = |port: &Port| old.iter().any(|before| before.name == port.name && was(before));
-    let is_new = |port: &Port| old.iter().all(|before| before.name != port.name);
-    let same = new.iter().find(|port| port.name == name);
-    let renamed = new.iter().find(|port| was(port) && !known(port));
-    match (same, renamed) {
-        // Of two that may be it the one that says so, where the other is a newcomer or says that it was something else.
-        (Some(same), Some(renamed)) => {
-            let takes_over = is_new(renamed) || same.was.contains(&renamed.name);
-            Some(if takes_over { renamed } else { same })
-        }
-        (same, renamed) => same.or(renamed).or_else(|| new.iter().find(|port| was(port))),
-    }
 }
 
 /// What putting a newer template in the place of an instance would do. Values and wires on its ports are kept where the

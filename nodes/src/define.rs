@@ -40,6 +40,61 @@ pub struct NodeDef {
     pub outputs: &'static [OutputDef],
     /// The function: values of each input in order; several for inputs with many wires, none for unset ones. A pure function.
     pub run: fn(&EvalCx, &[Vec<Value>]) -> Result<Vec<Value>, NodeError>,
+    refuses: Option<Refuses>,
+    masks: Option<Masks>,
+}
+
+/// What a node refuses by its inputs alone, before it looks at hair: asked before anything runs, and by `run`.
+pub(crate) type Refuses = fn(&Told) -> Result<(), NodeError>;
+
+/// Names of the masks that the node's scalp may have, where that can be told before it runs. May take as long as reading a mesh.
+pub(crate) type Masks = fn(&Told) -> Option<Vec<String>>;
+
+/// What comes to an input.
+#[derive(Clone, Copy, Debug)]
+pub enum Arriving<'a> {
+    /// Nothing is set or wired.
+    Nothing,
+    /// This value.
+    Value(&'a Value),
+    /// What another node gives, once it has run.
+    Wire,
+}
+
+/// What is known of a node's inputs: before it runs values and whether anything is wired, then all.
+pub struct Told<'a> {
+    def: &'static NodeDef,
+    first: &'a dyn Fn(usize) -> Arriving<'a>,
+}
+
+impl<'a> Told<'a> {
+    /// `first` says what comes to an input first, by its number.
+    pub fn new(def: &'static NodeDef, first: &'a dyn Fn(usize) -> Arriving<'a>) -> Self {
+        Self { def, first }
+    }
+    fn at(&self, name: &str) -> Arriving<'a> {
+        self.def.input(name).map_or(Arriving::Nothing, |(i, _)| (self.first)(i))
+    }
+    /// Whether anything comes to an input; an empty path is nothing.
+    pub fn arrives(&self, name: &str) -> bool {
+        match self.at(name) {
+            Arriving::Nothing => false,
+            Arriving::Value(Value::Text(text)) => !text.is_empty(),
+            Arriving::Value(_) | Arriving::Wire => true,
+        }
+    }
+    /// The value of an input, or its default; none where nobody knows it yet.
+    pub fn value(&self, name: &str) -> Option<Value> {
+        match self.at(name) {
+            Arriving::Nothing => self.def.input(name)?.1.default(),
+            Arriving::Value(value) => Some(value.clone()),
+            Arriving::Wire => None,
+        }
+    }
+    /// Whether a choice has this value.
+    pub fn is(&self, choice: &str, word: &str) -> bool {
+        matches!(self.value(choice), Some(Value::Text(is)) if *is == *word)
+    }
 }
 
 /// Id of the input that lets a node's lengths grow with the head.
@@ -754,6 +809,15 @@ macro_rules! optional {
 }
 optional!(f32, FieldInput, Arc<ShapeList>);
 
+/// Ends a node with what it refuses by its inputs alone, for [`node!`].
+pub(crate) fn refuse(def: &'static NodeDef, values: &[Vec<Value>]) -> Result<(), NodeError> {
+    let first = |i: usize| {
+        let value = values.get(i).and_then(|values| values.first());
+        value.map_or(Arriving::Nothing, Arriving::Value)
+    };
+    def.refused(&Told::new(def, &first))
+}
+
 /// Reads the word of a choice, for [`choice!`].
 pub(crate) fn read_choice<T: Copy>(
     values: &[Value],
@@ -974,7 +1038,27 @@ impl NodeDef {
         outputs: &'static [OutputDef],
         run: fn(&EvalCx, &[Vec<Value>]) -> Result<Vec<Value>, NodeError>,
     ) -> Self {
-        Self { id, version, label, words, doc, thins: false, scales: false, inputs, outputs, run }
+        let (thins, scales, refuses, masks) = (false, false, None, None);
+        Self { id, version, label, words, doc, thins, scales, inputs, outputs, run, refuses, masks }
+    }
+    pub(crate) const fn refuses(mut self, refuses: Refuses) -> Self {
+        self.refuses = Some(refuses);
+        self
+    }
+    pub(crate) const fn masks(mut self, masks: Masks) -> Self {
+        self.masks = Some(masks);
+        self
+    }
+    /// Why the node will have no result, as far as its inputs alone tell.
+    ///
+    /// # Errors
+    /// What [`Self::run`] would say.
+    pub fn refused(&self, told: &Told) -> Result<(), NodeError> {
+        self.refuses.map_or(Ok(()), |refuses| refuses(told))
+    }
+    /// Names of the masks that the node's scalp may have; none where only running it tells.
+    pub fn mask_names(&self, told: &Told) -> Option<Vec<String>> {
+        self.masks.and_then(|masks| masks(told))
     }
     pub(crate) const fn thins(mut self) -> Self {
         self.thins = true;
@@ -1034,7 +1118,8 @@ fn paragraphs(lines: &[&str]) -> String {
 /// (`cluster/interpolate.rs`).
 ///
 /// The flag `thins`: see [`NodeDef::thins`]. The flag `scales`, for nodes with the inputs `scalp` and `scale_with_head`: `eval`
-/// gets all numbers except `fixed()` ones in true centimetres; other lengths use [`EvalCx::unit`].
+/// gets all numbers except `fixed()` ones in true centimetres; other lengths use [`EvalCx::unit`]. The flag `refuses(function)`:
+/// see [`Refuses`]; `eval` need not ask again. The flag `masks(function)`: see [`Masks`].
 macro_rules! node {
     (@head $inputs:ident, $values:ident) => { std::option::Option::None };
     (@head $inputs:ident, $values:ident, scales $(, $flag:ident)*) => {
@@ -1046,7 +1131,7 @@ macro_rules! node {
     (
         $(#[doc = $doc:literal])*
         $id:literal, version $version:literal, label $label:literal, words $words:literal
-            $(, $flag:ident)*;
+            $(, $flag:ident $(($by:ident))?)*;
         inputs {$(
             $([$group:ident])?
             $(#[doc = $in_doc:literal])*
@@ -1075,6 +1160,7 @@ macro_rules! node {
                 INPUTS,
                 &[$(OutputDef::new::<$out_ty>(stringify!($output), &[$($out_doc),*]),)*],
                 |cx, values| {
+                    $crate::define::refuse(&NODE, values)?;
                     let mut _at = 0..;
                     let mut inputs = Inputs {$(
                         $input: {
@@ -1091,7 +1177,7 @@ macro_rules! node {
                     let outputs: Outputs = eval(cx, inputs)?;
                     Ok(vec![$(Value::from(outputs.$output)),*])
                 },
-            )$(.$flag())*
+            )$(.$flag($($by)?))*
         };
     };
 }

@@ -4,10 +4,11 @@
 //! every seed and row of a sweep. Each runs `coif eval` with files and a report of its own, under a name that no other has, and
 //! does nothing where that is done. Farms schedule it; coif does not.
 //!
-//! Guarantees: what is written is read by any reader of YAML 1.2, for every text in it is quoted as JSON is. Not guaranteed: that
-//! the graphs can be evaluated, which `coif check` says.
+//! Guarantees: what is written is read by any reader of YAML 1.2, for every text in it is quoted as JSON is; no task would be refused
+//! before it ran ([`super::tasks`]). Not guaranteed: that tasks succeed.
 
 use super::sweep::{Sweep, may_name_a_file};
+use super::tasks::{on_head, refuse_doomed};
 use super::{Exit, complain, shown, tell};
 use crate::files::{Role, Together};
 use crate::jobs::stop::Stop;
@@ -23,9 +24,9 @@ pub(crate) struct BatchArgs {
     /// Graphs: .ron files, or names of shipped grooms
     #[arg(required_unless_present = "collect", conflicts_with = "collect")]
     graph: Vec<PathBuf>,
-    /// Head meshes, each in place of the graph's one head; without any, the graph's own
-    #[arg(long, value_name = "MESH", num_args = 1.., conflicts_with = "collect")]
-    head: Vec<PathBuf>,
+    /// Head meshes, each in place of the graph's one head, or of the head NODE, the same in all; without any, the graph's own
+    #[arg(long, value_name = "[NODE=]MESH", num_args = 1.., conflicts_with = "collect")]
+    head: Vec<String>,
     /// Seeds; without any, the graph's own
     #[arg(long, value_name = "N", num_args = 1.., conflicts_with = "collect")]
     seed: Vec<u32>,
@@ -77,16 +78,20 @@ fn write_job(args: &BatchArgs) -> Result<Exit, Stop> {
         return Err(Stop::refused("--out-dir and -o: a job needs both"));
     };
     let mut files = Together::default();
-    let reads = args.graph.iter().chain(&args.head).chain(&args.sweep);
+    let meshes: Vec<PathBuf> = args.head.iter().map(|head| on_head(head).into()).collect();
+    let reads = args.graph.iter().chain(&meshes).chain(&args.sweep);
     for path in reads {
         files
             .reads(path, format!("{}, which the job reads", shown(path)))
             .map_err(Stop::refused)?;
     }
     files.writes(out, Role::Output, format!("-o {}", shown(out))).map_err(Stop::refused)?;
-    let axes = axes(args)?;
+    let table = args.sweep.as_deref().map(Sweep::read).transpose()?;
+    let axes = axes(args, &meshes, table.as_ref())?;
+    let node = node_of_heads(&args.head)?;
+    refuse_doomed(&args.graph, &args.head, args.sweep.as_deref().zip(table.as_ref()))?;
     let sweep = args.sweep.as_deref().map(absolute).transpose()?;
-    let text = template(&axes, &beside(out_dir, out)?, sweep.as_deref());
+    let text = template(&axes, node, &beside(out_dir, out)?, sweep.as_deref());
     files.allowed().map_err(Stop::failed)?;
     let cancel = CancelToken::default();
     files.write_text(out, &text, &cancel).map_err(|why| Stop::unwritten(out, &why, &cancel))?;
@@ -96,7 +101,22 @@ fn write_job(args: &BatchArgs) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-fn axes(args: &BatchArgs) -> Result<Vec<Axis>, Stop> {
+/// The node whose mesh all `--head` exchange; none where none names one.
+fn node_of_heads(heads: &[String]) -> Result<Option<&str>, Stop> {
+    let mut nodes = heads.iter().map(|head| {
+        let (node, _) = head.split_once('=')?;
+        (on_head(head) != *head).then_some(node)
+    });
+    let Some(first) = nodes.next() else { return Ok(None) };
+    match nodes.all(|node| node == first) {
+        true => Ok(first),
+        false => Err(Stop::refused(
+            "--head: the meshes are for several nodes; a job exchanges one head, so write the same NODE= before each",
+        )),
+    }
+}
+
+fn axes(args: &BatchArgs, meshes: &[PathBuf], sweep: Option<&Sweep>) -> Result<Vec<Axis>, Stop> {
     let of_files = |name, paths: &[PathBuf], shipped: bool| -> Result<Axis, Stop> {
         let values = paths.iter().map(|path| {
             let is_groom = shipped && !path.exists() && crate::jobs::open::is_shipped(path);
@@ -110,15 +130,14 @@ fn axes(args: &BatchArgs) -> Result<Vec<Axis>, Stop> {
         })
     };
     let mut axes = vec![of_files("Graph", &args.graph, true)?];
-    if !args.head.is_empty() {
-        axes.push(of_files("Head", &args.head, false)?);
+    if !meshes.is_empty() {
+        axes.push(of_files("Head", meshes, false)?);
     }
     if !args.seed.is_empty() {
         let values = args.seed.iter().map(ToString::to_string).collect();
         axes.push(Axis { name: "Seed", ty: "INT", values, labels: vec![] });
     }
-    if let Some(file) = &args.sweep {
-        let sweep = Sweep::read(file)?;
+    if let Some(sweep) = sweep {
         args.graph.iter().try_for_each(|graph| sweep.refuse_unknown_columns(graph, false))?;
         let values = sweep.names().map(ToOwned::to_owned).collect();
         axes.push(Axis { name: "Row", ty: "STRING", values, labels: vec![] });
@@ -161,7 +180,7 @@ fn labels(paths: &[PathBuf]) -> Vec<String> {
 }
 
 /// The job as YAML.
-fn template(axes: &[Axis], out_dir: &str, sweep: Option<&str>) -> String {
+fn template(axes: &[Axis], node: Option<&str>, out_dir: &str, sweep: Option<&str>) -> String {
     let quoted = |text: &str| Json::from(text).to_string();
     let mut definitions = String::new();
     let mut add = |name: &str, ty: &str, values: &[String]| {
@@ -191,7 +210,10 @@ fn template(axes: &[Axis], out_dir: &str, sweep: Option<&str>) -> String {
     let mut word = |option: &str, value: &str| words.extend([option.to_owned(), value.to_owned()]);
     for axis in axes {
         match axis.name {
-            "Head" => word("--scalp", "{{Task.Param.Head}}"),
+            "Head" => {
+                let node = node.map_or(String::new(), |node| format!("{node}="));
+                word("--scalp", &format!("{node}{{{{Task.Param.Head}}}}"));
+            }
             "Seed" => word("--seed", "{{Task.Param.Seed}}"),
             "Row" => {
                 word("--sweep", sweep.unwrap_or_default());

@@ -107,6 +107,16 @@ mod tests {
     }
 
     #[test]
+    fn grooms_of_the_pages_for_artists_are_as_they_would_be_saved() {
+        let pages = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/artists");
+        let all = std::fs::read_dir(pages).unwrap().map(|entry| entry.unwrap().path());
+        let graphs: Vec<PathBuf> =
+            all.filter(|path| path.extension() == Some("ron".as_ref())).collect();
+        assert!(graphs.len() >= 4, "{graphs:?}");
+        assert_eq!(run(&FmtArgs { graphs, check: true }), Exit::Done);
+    }
+
+    #[test]
     fn shipped_grooms_are_as_they_would_be_saved() {
         for (name, text) in ALL.iter().chain(TEMPLATES) {
             let loaded = file::read(text).unwrap();

@@ -5,11 +5,12 @@
 use super::given::{apply_scalp, apply_set};
 use super::progress::Bar;
 use crate::files::Together;
-use crate::jobs::evaluate::{self, Evaluated, Opened, outputs};
+use crate::jobs::evaluate::{self, Evaluated, Opened, nowhere, outputs};
 use crate::jobs::open::{Read, read_packed, reads_all, tell_of};
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
 use clap::{Args, ValueEnum};
+use coif_graphs::document::graph::leading_nowhere;
 use coif_graphs::schedule::run::{CancelToken, Evaluator};
 use coif_nodes::eval::Quality;
 use std::path::{Path, PathBuf};
@@ -97,6 +98,10 @@ impl GroomArgs {
         report.scalp.clone_from(&self.scalp);
         report.set.clone_from(&self.set);
         let outputs = outputs(&document, &self.output)?;
+        if self.output.is_empty() {
+            let all = leading_nowhere(&document).into_iter();
+            report.notes.extend(all.map(|id| format!("{graph}: {}", nowhere(&id))));
+        }
         let (allow_large, holds_budget, strict) = (self.allow_large, !self.no_budget, self.strict);
         Ok(Opened { document, outputs, folder, graph, allow_large, holds_budget, strict })
     }

@@ -9,9 +9,10 @@ use super::{Exit, complain, complain_of, print_plain, tell};
 use crate::files::{Role, Together};
 use crate::jobs::stop::Stop;
 use clap::Args;
-use coif_graphs::compare::{Merged, merge};
+use coif_graphs::compare::{Change, Merged, Said, merge};
 use coif_graphs::document::Document;
 use coif_graphs::file::{self, Loaded};
+use coif_nodes::define::short;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -104,9 +105,16 @@ fn merged([base, ours, theirs]: [&Path; 3]) -> Result<Merged, Vec<Stop>> {
 }
 
 /// Says how it ended.
-fn report(name: &str, Merged { conflicts, yielded, .. }: &Merged) -> Exit {
+fn report(name: &str, Merged { conflicts, yielded, lost, .. }: &Merged) -> Exit {
     let told = conflicts.iter().map(|conflict| format!("{name}: conflict: {conflict}"));
-    complain_of(told.collect());
+    let lost = lost.iter().map(|Change { fact, to, .. }| {
+        let value = to.as_ref().map_or(String::new(), Said::text);
+        format!(
+            "warning: {name}: {fact} = {}: lost, the other has no such port any more, or one that takes something else",
+            short(&value)
+        )
+    });
+    complain_of(told.chain(lost).collect());
     if !yielded.is_empty() {
         complain(format_args!(
             "note: {name}: {} moved by both on the canvas stand where ours has them",

@@ -28,6 +28,7 @@ mod render;
 mod schema;
 mod signals;
 mod sweep;
+mod tasks;
 mod template;
 mod thumbnail;
 mod trace;

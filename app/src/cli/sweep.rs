@@ -11,8 +11,10 @@ use super::eval::EvalArgs;
 use super::given::input_of;
 use crate::jobs::open::read_packed;
 use crate::jobs::stop::Stop;
+use coif_graphs::document::Socket;
+use coif_graphs::text::whole_number;
 use coif_nodes::define::short;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// More rows than anybody looks at; reading them takes no memory to speak of.
@@ -61,15 +63,18 @@ impl Sweep {
             csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let head = reader.headers().map_err(|err| err.to_string())?;
         let columns: Vec<String> = head.iter().map(ToOwned::to_owned).collect();
-        let mut known = BTreeSet::new();
-        for column in &columns {
+        let mut known = BTreeMap::new();
+        for (number, column) in (1..).zip(&columns) {
             if column.is_empty() {
                 return Err(
                     "a column has no name: the first row names an input each, as node.input".into(),
                 );
             }
-            if !known.insert(column) {
-                return Err(format!("two columns are called {:?}", short(column)));
+            if let Some(before) = known.insert(column, number) {
+                return Err(format!(
+                    "columns {before} and {number} are both called {:?}",
+                    short(column)
+                ));
             }
         }
         let mut records = vec![];
@@ -87,7 +92,7 @@ impl Sweep {
         }
         let width = records.len().to_string().len();
         let named = columns.iter().position(|column| column == "name");
-        let mut names = BTreeSet::new();
+        let mut names = BTreeMap::<String, (u64, String)>::new();
         let mut rows = vec![];
         for (i, (line, cells)) in records.into_iter().enumerate() {
             let name = match named.map(|at| &cells[at]) {
@@ -100,8 +105,11 @@ impl Sweep {
                     short(&name)
                 ));
             }
-            if !names.insert(name.to_lowercase()) {
-                return Err(format!("line {line}: a row before it is called {name:?} too"));
+            let before = names.insert(name.to_lowercase(), (line, name.clone()));
+            if let Some((first, before)) = before {
+                return Err(format!(
+                    "line {line}: {name:?} is the name of the row of line {first}, {before:?}, too, for which case does not count"
+                ));
             }
             rows.push(Row { line, name, cells });
         }
@@ -113,20 +121,40 @@ impl Sweep {
         self.rows.iter().map(|row| row.name.as_str())
     }
 
-    /// The first column that is no input of a graph, and why.
+    /// Its rows: what each is called, and the inputs that it sets.
+    pub(super) fn each(&self) -> impl Iterator<Item = (&str, Vec<(&str, &str)>)> {
+        self.rows.iter().map(|row| {
+            let cells = self.columns.iter().zip(&row.cells).filter(|(column, cell)| {
+                !cell.is_empty() && !matches!(column.as_str(), "name" | "seed")
+            });
+            let cells = cells.map(|(column, cell)| (column.as_str(), cell.as_str()));
+            (row.name.as_str(), cells.collect())
+        })
+    }
+
+    /// The first column that is no input of a graph, and why; one that sets what a column before it sets is none.
     pub(super) fn refuse_unknown_columns(
         &self,
         graph: &Path,
         allow_large: bool,
     ) -> Result<(), Stop> {
         let document = read_packed(graph, allow_large)?.loaded.document;
-        let mut inputs =
+        let mut known = BTreeMap::new();
+        let inputs =
             self.columns.iter().filter(|column| !matches!(column.as_str(), "name" | "seed"));
-        let unknown = inputs.find_map(|column| Some((column, input_of(&document, column).err()?)));
-        unknown.map_or(Ok(()), |(column, reason)| {
-            let file = self.file.display();
-            Err(Stop::refused(format!("{file}: column {:?}: {reason}", short(column))))
-        })
+        for column in inputs {
+            let refused = |reason: String| {
+                let (file, column) = (self.file.display(), short(column));
+                Stop::refused(format!("{file}: column {column:?}: {reason}"))
+            };
+            let (socket, input) = input_of(&document, column).map_err(refused)?;
+            let input = Socket::new(socket.node, input.name);
+            if let Some(before) = known.insert(input.clone(), column) {
+                let before = short(before);
+                return Err(refused(format!("sets {input}, and so does the column {before:?}")));
+            }
+        }
+        Ok(())
     }
 
     /// The words of a command for each row, and what the row is called.
@@ -177,7 +205,8 @@ impl Sweep {
             match column.as_str() {
                 "name" => {}
                 "seed" => {
-                    let seed = cell.parse().map_err(|_| {
+                    let whole = whole_number(cell).and_then(|seed| u64::try_from(seed).ok());
+                    let seed = cell.parse().ok().or(whole).ok_or_else(|| {
                         let (file, cell) = (self.file.display(), short(cell));
                         Stop(
                             Exit::Refused,

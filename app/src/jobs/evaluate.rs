@@ -8,10 +8,11 @@ use super::open::take_said;
 use super::report::{ContentHash, Head, Output, Report};
 use super::stop::{Exit, Stop, not_strict};
 use coif_graphs::document::graph::{Fault, Severity, check_for, upstream};
-use coif_graphs::document::{Document, Setting, Socket};
+use coif_graphs::document::{Document, NodeId, Setting, Socket};
 use coif_graphs::schedule::budget::{Used, used};
-use coif_graphs::schedule::files::DiskFiles;
-use coif_graphs::schedule::request::plan;
+use coif_graphs::schedule::files::{DiskFiles, Files};
+use coif_graphs::schedule::plan::Plan;
+use coif_graphs::schedule::request::{BadRequest, proven};
 use coif_graphs::schedule::result::inputs_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
@@ -50,6 +51,13 @@ pub(crate) struct Evaluated {
     pub(crate) sections: BTreeMap<u64, String>,
     /// What was asked for besides, in that order.
     pub(crate) more: Vec<Value>,
+}
+
+/// What an evaluation gives: the outputs and what is asked for besides, and the scalps that they stand on.
+struct Wanted {
+    targets: Vec<Socket>,
+    heads: Vec<Socket>,
+    parted: Vec<Socket>,
 }
 
 /// What evaluates, with as many threads as were asked for, and a cache of so many bytes.
@@ -108,6 +116,29 @@ impl Opened {
         heads.iter().map(file).collect()
     }
 
+    fn wanted(&self, more: &[Socket]) -> Wanted {
+        let mut targets: Vec<Socket> = self.outputs.iter().map(|o| o.socket.clone()).collect();
+        targets.extend_from_slice(more);
+        let heads = of_kind(&self.document, &targets, "head");
+        let parted = of_kind(&self.document, &targets, "partings");
+        Wanted { targets, heads, parted }
+    }
+
+    fn proven(
+        &self,
+        Wanted { targets, heads, parted }: &Wanted,
+        quality: Quality,
+        files: &dyn Files,
+    ) -> Result<Plan, Vec<BadRequest>> {
+        let all: Vec<Socket> = targets.iter().chain(heads).chain(parted).cloned().collect();
+        proven(&self.document, &all, quality, files)
+    }
+
+    /// What an evaluation of the outputs would be refused for before anything ran, but for [`Self::refuse_problems`].
+    pub(crate) fn foreseen(&self, files: &dyn Files) -> Vec<BadRequest> {
+        self.proven(&self.wanted(&[]), Quality::Final, files).err().unwrap_or_default()
+    }
+
     /// Evaluates the outputs, all of them, on all cores.
     pub(crate) fn evaluate(
         &self,
@@ -131,13 +162,11 @@ impl Opened {
         report: &mut Report,
     ) -> Result<Evaluated, Stop> {
         let Opened { document, outputs, folder, graph, allow_large, holds_budget, strict } = self;
-        let mut targets: Vec<Socket> = outputs.iter().map(|o| o.socket.clone()).collect();
-        targets.extend_from_slice(more);
-        let heads = of_kind(document, &targets, "head");
-        let parted = of_kind(document, &targets, "partings");
-        let wanted: Vec<Socket> = targets.iter().chain(&heads).chain(&parted).cloned().collect();
-        let mut plan = plan(document, &wanted, quality, &DiskFiles::new(folder))
-            .map_err(|err| Stop::refused(format!("{graph}: {err}")))?;
+        let wanted = self.wanted(more);
+        let mut plan = self.proven(&wanted, quality, &DiskFiles::new(folder)).map_err(|bad| {
+            Stop(Exit::Refused, bad.iter().map(|bad| format!("{graph}: {bad}")).collect())
+        })?;
+        let Wanted { targets, heads, .. } = wanted;
         plan.allow_large = *allow_large;
         if *holds_budget {
             plan.budget = document.budget;
@@ -381,6 +410,11 @@ pub(crate) fn outputs(document: &Document, named: &[String]) -> Result<Vec<Outpu
             }
         })
         .collect()
+}
+
+/// What there is to say of a node that leads to no output.
+pub(crate) fn nowhere(id: &NodeId) -> String {
+    format!("{id}: leads to no output: nothing of it is in the groom; wire it, or remove it")
 }
 
 fn wanted(document: &Document, socket: Socket) -> OutputRequest {

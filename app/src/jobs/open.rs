@@ -121,7 +121,13 @@ fn read_file(path: &Path) -> Result<Read, Stop> {
             None => return Err(Stop::refused(format!("{shown}: {err}"))),
         },
     };
-    let loaded = file::read_bytes(&text).map_err(|err| Stop::refused(err.of_file(&shown)))?;
+    let mut loaded = file::read_bytes(&text).map_err(|err| Stop::refused(err.of_file(&shown)))?;
+    if folder.is_some() && is_shipped(path) {
+        let message =
+            "this file is taken, and not the shipped groom of its name: rename it to have that one"
+                .to_owned();
+        loaded.warnings.push(FileError { line: 1, column: 1, message });
+    }
     let shown = shown.to_string();
     Ok(Read { loaded, text, folder, shown })
 }

@@ -269,11 +269,10 @@ fn what_meets_is_told_with_its_values_and_the_rest_is_merged() {
         )],
         &other,
         expect![[r#"
-        ! all: kind: both together: wires run in a circle: all -> braids -> finer -> all; remove one of these wires
-        Front braids.source: from Resample to Merge
-        Resample.curves: from Stroke input to Front braids.curves
-        1 comment changed
-    "#]],
+            ! wires of braids.source: both together: wires run in a circle: all -> braids -> finer -> all; remove one of these wires: ours finer.curves, theirs all.curves
+            Resample.curves: from Stroke input to Front braids.curves
+            1 comment changed
+        "#]],
     );
     check_merge(
         &one,
@@ -373,4 +372,136 @@ fn a_comment_whose_entry_is_gone_stands_before_its_node() {
     );
     let merged = merge(&with(&[]), &with(&unset), &with(&comment)).document;
     assert!(write(&merged).contains("        // eight is enough\n        \"finer\": ("));
+}
+
+/// A group whose ports are set, read inside and wired outside.
+const GROUPED: &str = r#"(
+    format: 3,
+    nodes: {
+        "head": (kind: "head"),
+        "locs": (
+            kind: "group",
+            label: "Locs",
+            interface: (
+                inputs: [
+                    (name: "scalp", type: "scalp", needed: true),
+                    (name: "radius", type: "field", default: 0.4, range: (0.1, 1.5), unit: "cm"),
+                    (name: "fuzz", type: "number", default: 0.1),
+                ],
+                outputs: [(name: "hair", type: "curves")],
+            ),
+            inputs: {"radius": 0.5},
+            links: {"scalp": "head.scalp"},
+            nodes: {
+                "in": (kind: "group_input"),
+                "fall": (kind: "scatter_guides", inputs: {"count": 9}, links: {"scalp": "in.scalp", "radius": "in.radius", "length_variation": "in.fuzz"}),
+                "out": (kind: "group_output", links: {"hair": "fall.curves"}),
+            },
+        ),
+        "out": (kind: "groom_output", links: {"curves": "locs.hair"}),
+    },
+)"#;
+
+/// What an upgrade makes of it: a port and an output with other names, a port that takes something else, one that is gone.
+const UPGRADED: &[(&str, &str)] = &[
+    (
+        "name: \"radius\", type: \"field\", default: 0.4",
+        "name: \"thickness\", type: \"field\", was: [\"radius\"], default: 0.45",
+    ),
+    ("(name: \"fuzz\", type: \"number\", default: 0.1),", ""),
+    (", \"length_variation\": \"in.fuzz\"", ""),
+    ("inputs: {\"radius\": 0.5}", "inputs: {\"thickness\": 0.5}"),
+    ("in.radius", "in.thickness"),
+    ("(name: \"hair\", type: \"curves\")", "(name: \"curves\", type: \"curves\", was: [\"hair\"])"),
+    ("{\"hair\": \"fall.curves\"}", "{\"curves\": \"fall.curves\"}"),
+    ("locs.hair", "locs.curves"),
+];
+
+/// Merges what two made of the grouped groom, both ways, and holds that what comes out evaluates.
+#[track_caller]
+fn check_grouped(ours: &[(&str, &str)], theirs: &[(&str, &str)], expected: Expect) {
+    let with = |changes: &[(&str, &str)]| {
+        let text = changes.iter().fold(GROUPED.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        read(&text).unwrap_or_else(|err| panic!("{err}\n{text}")).document
+    };
+    let all = [&[], ours, theirs].map(with);
+    let [base, ours, theirs] = &all;
+    let [merged, back] = [(ours, theirs), (theirs, ours)].map(|(a, b)| merge(base, a, b));
+    let mut said: String = merged.conflicts.iter().map(|c| format!("! {c}\n")).collect();
+    said.extend(merged.lost.iter().map(|c| format!("lost {}: {:?}\n", c.fact, c.to)));
+    let changes = lines(base, &merged.document, false);
+    said.extend(changes.iter().map(|line| format!("{line}\n")));
+    expected.assert_eq(&said);
+    for merged in [&merged, &back] {
+        let loaded = read(&write(&merged.document)).unwrap();
+        assert_eq!(loaded.document, merged.document);
+        let mut problems = crate::document::graph::check(&loaded.document);
+        problems.retain(|problem| problem.needed);
+        assert_eq!(problems, [], "{}", write(&merged.document));
+    }
+    assert_eq!(merged.lost, back.lost);
+    if merged.conflicts.is_empty() {
+        assert_eq!(write(&merged.document), write(&back.document));
+    }
+}
+
+#[test]
+fn who_renames_a_port_and_who_sets_it_do_not_meet() {
+    check_grouped(
+        &[("inputs: {\"radius\": 0.5}", "inputs: {\"radius\": 0.7}")],
+        UPGRADED,
+        expect![[r#"
+            Locs: input fuzz removed
+            Locs: input radius called radius to thickness, default 0.4 to 0.45
+            Locs: output hair called hair to curves
+            Locs: thickness 0.5 cm to 0.7 cm
+            Locs/Scatter guides.length_variation: from Locs/Inputs.fuzz to nothing
+        "#]],
+    );
+    // What is read from it and from the group by somebody else.
+    check_grouped(
+        UPGRADED,
+        &[
+            (
+                "\"fall\": (",
+                "\"more\": (kind: \"resample\", links: {\"curves\": \"fall.curves\", \"spacing\": \"in.fuzz\"}), \"fall\": (",
+            ),
+            (
+                "\"out\": (kind: \"groom_output\"",
+                "\"thin\": (kind: \"set_width\", links: {\"curves\": \"locs.hair\"}), \"out\": (kind: \"groom_output\"",
+            ),
+        ],
+        expect![[r#"
+            ! wires of locs/more.spacing: both together: locs/in.fuzz is no output: group_input gives scalp, thickness; wire one of these
+            Locs: input fuzz removed
+            Locs: input radius called radius to thickness, default 0.4 to 0.45
+            Locs: output hair called hair to curves
+            Locs/Scatter guides.length_variation: from Locs/Inputs.fuzz to nothing
+            Locs/Resample: added (Resample), fed by Locs/Inputs, Locs/Scatter guides
+            Set width: added (Set width), fed by Locs
+            1 comment changed
+        "#]],
+    );
+    // A value whose port is gone is lost, as in an upgrade.
+    check_grouped(
+        &[("{\"radius\": 0.5}", "{\"radius\": 0.5, \"fuzz\": 0.3}")],
+        UPGRADED,
+        expect![[""]],
+    );
+    // Both renamed it: ours is followed.
+    check_grouped(
+        UPGRADED,
+        &[
+            (
+                "name: \"radius\", type: \"field\"",
+                "name: \"wide\", type: \"field\", was: [\"radius\"]",
+            ),
+            ("in.radius", "in.wide"),
+            ("{\"radius\": 0.5}", "{\"wide\": 0.9}"),
+        ],
+        expect![[""]],
+    );
 }

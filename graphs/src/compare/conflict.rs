@@ -48,7 +48,8 @@ pub enum Clash {
     Kind,
     /// One removed the node while the other changed this of it, or wired it.
     Removed(Vec<Change>),
-    /// Each for itself is whole, and both together are not: what a check says of it. Nothing of either was left out.
+    /// Each for itself is whole, and both together are not: what a check says of it. What could not be evaluated is as ours has it;
+    /// where neither value is given, nothing of either was left out.
     Together(String),
 }
 
@@ -96,7 +97,12 @@ impl fmt::Display for Conflict {
                 };
                 format!("{node}: {gone} removed it, {there} changed {}{more}", what.join(", "))
             }
-            Clash::Together(text) => format!("{}: both together: {text}", self.fact),
+            Clash::Together(text) if self.ours == self.theirs => {
+                format!("{}: both together: {text}", self.fact)
+            }
+            Clash::Together(text) => {
+                format!("{}: both together: {text}: ours {ours}, theirs {theirs}", self.fact)
+            }
         };
         f.write_str(&one_line(&text))
     }

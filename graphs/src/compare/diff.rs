@@ -3,7 +3,7 @@
 use super::fact::{Fact, Facts, Said, facts};
 use super::items::ListEntry;
 use super::lists::is_in_one_order;
-use crate::document::{Document, Setting};
+use crate::document::{Document, NodeId, Setting};
 use coif_nodes::define::Value;
 use std::collections::BTreeMap;
 
@@ -45,8 +45,7 @@ fn counts(a: &Document, b: &Document, change: &Change) -> bool {
         Fact::Kind(_) | Fact::Bypass(_) | Fact::Ports(_) | Fact::Seed => true,
         Fact::Input(id, name) => {
             let of = |document: &Document, said: &Option<Said>| {
-                let kind = document.node(id.as_str()).map_or("", |node| &node.kind);
-                value(kind, name, said).map(|value| value.key())
+                value(document, id, name, said).map(|value| value.key())
             };
             let (from, to) = (of(a, &change.from), of(b, &change.to));
             from.is_none() || from != to
@@ -76,12 +75,17 @@ fn counts(a: &Document, b: &Document, change: &Change) -> bool {
 }
 
 /// What an input is set to, or its default; none where nobody knows.
-pub(super) fn value(kind: &str, input: &str, said: &Option<Said>) -> Option<Value> {
+pub(super) fn value(
+    document: &Document,
+    id: &NodeId,
+    input: &str,
+    said: &Option<Said>,
+) -> Option<Value> {
     match said {
         Some(Said::Setting(Setting::Known(value))) => Some(value.clone()),
         Some(_) => None,
         None => {
-            let (_, input) = coif_nodes::by_id(kind)?.input(input)?;
+            let (_, input) = document.def(id)?.input(input)?;
             input.default()
         }
     }

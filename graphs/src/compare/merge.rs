@@ -2,27 +2,26 @@
 //!
 //! Guarantees: a fact that one changed is as that one has it, one that both changed alike too; lists of wires, strokes and gestures
 //! merge item by item. What both changed, each otherwise, is as ours has it and in [`Merged::conflicts`]; the two who changed it
-//! are told the same conflicts, whoever merges whom. What comes out can be written and read, whatever is in conflict.
+//! are told the same conflicts, whoever merges whom. What comes out can be written and read, whatever is in conflict, and evaluated
+//! where ours and theirs can. A port that one renamed is followed in what the other says of it.
 //!
 //! A node is more than its facts: one that one person removed while the other changed or wired it, that both added, or that one made
 //! another kind, is a conflict as such, and ours has it as a whole. Where things stand on the canvas is no conflict: ours counts.
 
 use super::conflict::{Clash, Conflict, nearest, write};
 use super::diff::Change;
-use super::fact::{Fact, Facts, Said, Wire, document, facts};
+use super::fact::{Fact, Facts, Said, Wire, facts};
+use super::follow::follow;
 use super::items::{ListEntry, one};
 use super::lists::{in_one_order, numbered};
 use super::ports;
-use crate::document::graph::{Fault, check};
+use super::together::settle;
 use crate::document::{Document, FileEntry, Frame, NodeId, Setting, Socket};
 use crate::text::order::lot;
-use crate::text::write_value;
 use coif_nodes::data::gestures::Gesture;
 use coif_nodes::data::strokes::Stroke;
-use coif_nodes::declared::KINDS;
 use coif_nodes::define::Arity;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 /// What became of three documents.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,70 +32,33 @@ pub struct Merged {
     pub conflicts: Vec<Conflict>,
     /// What both moved on the canvas: it stands where ours has it.
     pub yielded: Vec<Fact>,
+    /// What one set or wired on a port that the other took away, or lets take something else: it is nowhere now, as after an
+    /// upgrade. By the name that the port had there, from what the base said.
+    pub lost: Vec<Change>,
 }
 
 /// Merges what two people made of `base`.
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
-    let mut merge = Merge::new(base, ours, theirs);
+    let said = [base, ours, theirs].map(facts);
+    let own = said[1].clone();
+    let (said, lost) = follow(said);
+    let mut merge = Merge::new(said);
     merge.settle_nodes();
-    let mut whole = document(merge.combine());
-    forget_types(&mut whole);
-    merge.yielded.retain(|fact| fact.node().is_none_or(|id| whole.nodes.contains_key(id)));
+    let said = merge.combine();
+    let Merge { mut conflicts, mut yielded, .. } = merge;
+    let (mut whole, together) = settle(said, &own, [ours, theirs]);
+    yielded.retain(|fact| fact.node().is_none_or(|id| whole.nodes.contains_key(id)));
     // A comment whose entry the other removed stands before what that stood in.
-    let lost: Vec<FileEntry> =
+    let gone: Vec<FileEntry> =
         whole.comments.keys().filter(|place| !whole.has(place)).cloned().collect();
-    for place in lost {
+    for place in gone {
         let lines = whole.comments.remove(&place).unwrap_or_default();
         whole.comments.entry(nearest(&whole, &place)).or_default().extend(lines);
     }
-    let Merge { mut conflicts, yielded, .. } = merge;
-    conflicts.extend(new_problems(&whole, ours, theirs));
+    conflicts.extend(together);
     conflicts.sort_by(|a, b| a.fact.cmp(&b.fact));
     write(&mut whole, &conflicts);
-    Merged { document: whole, conflicts, yielded }
-}
-
-/// A value that one set on a port which the other took away is text that nothing reads, as in a file.
-fn forget_types(document: &mut Document) {
-    let declared: Vec<NodeId> = document
-        .nodes
-        .iter()
-        .filter(|(_, node)| KINDS.contains(&node.kind.as_str()))
-        .map(|(id, _)| id.clone())
-        .collect();
-    for id in declared {
-        let def = document.def(&id);
-        let Some(node) = document.nodes.get_mut(&id) else { continue };
-        let is_read = |name: &str| def.is_some_and(|def| def.input(name).is_some());
-        if node.inputs.keys().all(|name| is_read(name)) {
-            continue;
-        }
-        for (name, setting) in &mut Arc::make_mut(node).inputs {
-            if let (Setting::Known(value), false) = (&*setting, is_read(name)) {
-                *setting = Setting::Raw(write_value(value).into());
-            }
-        }
-    }
-}
-
-/// What is wrong with the merged document and with neither of the two: a circle, a wire that nothing gives.
-fn new_problems(merged: &Document, ours: &Document, theirs: &Document) -> Vec<Conflict> {
-    let known = |document| check(document).into_iter().map(|p| (p.fault, p.node, p.socket));
-    let known: BTreeSet<_> = known(ours).chain(known(theirs)).collect();
-    let told = check(merged).into_iter().filter(|problem| {
-        // A value out of range is one person's own.
-        problem.fault != Fault::OutOfRange
-            && !known.contains(&(problem.fault, problem.node.clone(), problem.socket.clone()))
-    });
-    let conflict = |problem: crate::document::graph::Problem| {
-        let fact = match &problem.socket {
-            Some(name) => Fact::Wires(Socket::new(problem.node.clone(), name)),
-            None => Fact::Kind(problem.node.clone()),
-        };
-        let clash = Clash::Together(format!("{}; {}", problem.text, problem.remedy));
-        Conflict { fact, base: None, ours: None, theirs: None, clash }
-    };
-    told.map(conflict).collect()
+    Merged { document: whole, conflicts, yielded, lost }
 }
 
 struct Merge {
@@ -147,8 +109,7 @@ fn forget_use(facts: &mut Facts, fact: &Fact, id: &NodeId, keep: &BTreeSet<&str>
 }
 
 impl Merge {
-    fn new(base: &Document, ours: &Document, theirs: &Document) -> Self {
-        let [base, ours, theirs] = [base, ours, theirs].map(facts);
+    fn new([base, ours, theirs]: [Facts; 3]) -> Self {
         let (mut of_node, mut uses) =
             (BTreeMap::<_, BTreeSet<_>>::new(), BTreeMap::<_, BTreeSet<_>>::new());
         for (fact, said) in base.iter().chain(&ours).chain(&theirs) {

@@ -14,12 +14,14 @@ mod cases;
 mod conflict;
 mod diff;
 mod fact;
+mod follow;
 mod items;
 mod lists;
 mod merge;
 mod ports;
 #[cfg(test)]
 mod tests;
+mod together;
 mod undecided;
 mod words;
 
@@ -27,5 +29,6 @@ pub use conflict::{Clash, Conflict};
 pub use diff::{Change, Drawn, diff, drawn, is_same_hair};
 pub use fact::{Fact, Said, Wire};
 pub use merge::{Merged, merge};
+pub(crate) use ports::successor;
 pub use undecided::{Undecided, undecided};
 pub use words::{ChangeLine, change_lines, lines};

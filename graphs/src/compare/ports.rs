@@ -10,6 +10,61 @@ use crate::text::order::lot;
 use coif_nodes::declared::{Interface, Port};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// The port that a port of an older version is now. One of the same name, unless another has been given that name among its
+/// former ones since: then the ports were renamed, and may even have changed names with each other.
+pub(crate) fn successor<'a>(old: &[Port], new: &'a [Port], name: &str) -> Option<&'a Port> {
+    let was = |port: &Port| port.was.iter().any(|was| was == name);
+    let known = |port: &Port| old.iter().any(|before| before.name == port.name && was(before));
+    let is_new = |port: &Port| old.iter().all(|before| before.name != port.name);
+    let same = new.iter().find(|port| port.name == name);
+    let renamed = new.iter().find(|port| was(port) && !known(port));
+    match (same, renamed) {
+        // Of two that may be it the one that says so, where the other is a newcomer or says that it was something else.
+        (Some(same), Some(renamed)) => {
+            let takes_over = is_new(renamed) || same.was.contains(&renamed.name);
+            Some(if takes_over { renamed } else { same })
+        }
+        (same, renamed) => same.or(renamed).or_else(|| new.iter().find(|port| was(port))),
+    }
+}
+
+/// What a port is called whatever names it was given: as in the base, or as it is where it came since.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Called {
+    /// In the base.
+    Before(String),
+    /// By who added it.
+    Since(String),
+}
+
+impl Called {
+    fn name(&self) -> &String {
+        let (Called::Before(name) | Called::Since(name)) = self;
+        name
+    }
+}
+
+/// What the ports of a version are called, in their order; no two alike.
+pub(super) fn called(base: &[Port], ports: &[Port]) -> Vec<Called> {
+    let mut before = BTreeMap::<&str, Vec<&str>>::new();
+    for old in base {
+        if let Some(port) = successor(base, ports, &old.name) {
+            before.entry(&port.name).or_default().push(&old.name);
+        }
+    }
+    let of = |port: &Port| {
+        let all = before.get(&*port.name).map_or(&[][..], Vec::as_slice);
+        let had = |name: &&&str| all.contains(name);
+        let name = port.was.iter().map(String::as_str);
+        let own = std::iter::once(port.name.as_str());
+        match own.chain(name).find(|name| had(&name)).or(all.first().copied()) {
+            Some(name) => Called::Before(name.to_owned()),
+            None => Called::Since(port.name.clone()),
+        }
+    };
+    ports.iter().map(of).collect()
+}
+
 /// What two people made of an interface; none where they contradict each other.
 pub(super) fn merged(base: Interface, ours: Interface, theirs: Interface) -> Option<Interface> {
     let all = [base, ours, theirs];
@@ -18,31 +73,18 @@ pub(super) fn merged(base: Interface, ours: Interface, theirs: Interface) -> Opt
     Interface::new(inputs, outputs).ok()
 }
 
-fn side([base, ours, theirs]: [&[Port]; 3]) -> Option<Vec<Port>> {
-    // A port is what it was called in the base, if it was there.
-    let names = |ports: &[Port]| -> Vec<String> {
-        let is_there = |name: &String| base.iter().any(|port| port.name == *name);
-        let of = |port: &Port| match is_there(&port.name) {
-            true => port.name.clone(),
-            false => port.was.iter().find(|was| is_there(was)).unwrap_or(&port.name).clone(),
-        };
-        ports.iter().map(of).collect()
-    };
-    let [b, o, t] = [base, ours, theirs].map(names);
-    let by_name = |names: &[String], ports: &[Port]| -> BTreeMap<String, Port> {
+fn side(all: [&[Port]; 3]) -> Option<Vec<Port>> {
+    let [b, o, t] = all.map(|ports| called(all[0], ports));
+    let by_name = |names: &[Called], ports: &[Port]| -> BTreeMap<Called, Port> {
         names.iter().cloned().zip(ports.iter().cloned()).collect()
     };
-    let of = [by_name(&b, base), by_name(&o, ours), by_name(&t, theirs)];
-    // A port that took another's place by its old name, beside one that still has it.
-    if of.iter().zip([base, ours, theirs]).any(|(of, ports)| of.len() != ports.len()) {
-        return None;
-    }
+    let of = [by_name(&b, all[0]), by_name(&o, all[1]), by_name(&t, all[2])];
     let mut kept = BTreeMap::new();
     for name in of.iter().flat_map(BTreeMap::keys).collect::<BTreeSet<_>>() {
         let [base, ours, theirs] = of.each_ref().map(|ports| ports.get(name).cloned());
         kept.extend(one(is_same, &base, &ours, &theirs)?.map(|port| (name.clone(), port)));
     }
-    let lots = |name: &String| (lot(name), name.clone());
+    let lots = |name: &Called| (lot(name.name()), name.clone());
     let (order, contradict) = in_one_order(&b, &o, &t, |name| kept.contains_key(name), lots);
     (!contradict).then(|| order.into_iter().filter_map(|name| kept.remove(&name)).collect())
 }

@@ -2,7 +2,7 @@
 
 use super::fact::{document, facts};
 use super::*;
-use crate::document::graph::targets;
+use crate::document::graph::{Fault, Severity, check, targets};
 use crate::document::testing::Random;
 use crate::document::{Document, NodeId};
 use crate::file::merges::{Repository, hash, pair};
@@ -89,9 +89,19 @@ fn what_only_one_changed_is_as_that_one_has_it() {
         let [base, x, _] = three(seed);
         for (ours, theirs) in [(&x, &base), (&base, &x), (&x, &x)] {
             let merged = merge(&base, ours, theirs);
-            assert_eq!(merged, Merged { document: x.clone(), conflicts: vec![], yielded: vec![] });
+            assert_eq!(
+                merged,
+                Merged { document: x.clone(), conflicts: vec![], yielded: vec![], lost: vec![] }
+            );
         }
     }
+}
+
+/// What keeps a document from being evaluated.
+fn fatal(document: &Document) -> BTreeSet<(Fault, NodeId, Option<String>)> {
+    let problems = check(document).into_iter();
+    let fatal = problems.filter(|p| p.needed && p.severity == Severity::Error);
+    fatal.map(|problem| (problem.fault, problem.node, problem.socket)).collect()
 }
 
 /// Whether a conflict is about a fact, or about a node that the fact is about or names.
@@ -181,6 +191,10 @@ fn of_any_edits_each_fact_is_from_whoever_changed_it_or_is_told() {
             Clash::Removed(_) => "removed",
             Clash::Together(_) => "together",
         }));
+        // What could be evaluated can be.
+        let known = fatal(ours).union(&fatal(theirs)).cloned().collect::<BTreeSet<_>>();
+        let new: Vec<_> = fatal(&merged.document).difference(&known).cloned().collect();
+        assert_eq!(new, [], "seed {seed}");
         // What comes out is a file.
         let loaded = read(&write(&merged.document)).unwrap();
         assert_eq!(loaded.document, merged.document, "seed {seed}");

@@ -3,8 +3,9 @@
 //! Guarantees: what changed is told in short lines, however much it is. Not guaranteed: that names and texts steer no terminal; whoever
 //! prints escapes them.
 
-use super::diff::{Change, Drawn, diff, drawn, value};
-use super::fact::{Fact, Limit, Said};
+use super::diff::{Change, Drawn, changes, diff, drawn, value};
+use super::fact::{Fact, Limit, Said, facts};
+use super::follow::led_to;
 use super::lists::{is_in_one_order, numbered};
 use crate::document::{Document, FileEntry, NodeId, Setting, Socket};
 use crate::text::write_value;
@@ -146,6 +147,16 @@ pub fn lines(a: &Document, b: &Document, all: bool) -> Vec<String> {
 /// The same of changes that are known, each with the node that it is about.
 pub fn change_lines(a: &Document, b: &Document, changes: &[Change], all: bool) -> Vec<ChangeLine> {
     let telling = Telling { a, b };
+    // A port that has another name now is still the same.
+    let ports = changes.iter().any(|change| matches!(change.fact, Fact::Ports(_)));
+    let followed = match ports {
+        true => {
+            let [before, after] = [facts(a), facts(b)];
+            self::changes(&led_to(&before, &after), &after)
+        }
+        false => vec![],
+    };
+    let changes = if ports { &followed } else { changes };
     let of_none = |text: String| ChangeLine { node: None, text };
     let mut of_node = BTreeMap::<&NodeId, Vec<&Change>>::new();
     let (mut before, mut behind, mut comments) = (vec![], vec![], 0);
@@ -228,10 +239,11 @@ struct Telling<'a> {
 }
 
 impl Telling<'_> {
-    /// A node by the name that people know, of the later document where it has it.
+    /// A node by the name that people know, of the later document where it has it, behind those of the groups that it lies in.
     fn name(&self, id: &NodeId) -> String {
         let of = if self.b.nodes.contains_key(id) { self.b } else { self.a };
-        short(&of.name_of(id))
+        let own = short(&of.name_of(id));
+        id.group().map_or(own.clone(), |group| format!("{}/{own}", self.name(&group)))
     }
 
     fn kind(document: &Document, id: &NodeId) -> String {
@@ -319,11 +331,19 @@ impl Telling<'_> {
         })
     }
 
+    /// An input by the name that one of the documents has for it, where the later one calls it so.
+    fn called<'n>(&self, of: &Document, id: &NodeId, input: &'n str) -> &'n str {
+        let is_of = |name: &str| of.def(id).is_some_and(|def| def.input(name).is_some());
+        let old = self.b.def(id).and_then(|def| def.input(input));
+        let old = old.into_iter().flat_map(|(_, input)| input.old_names.iter().copied());
+        if is_of(input) { input } else { old.into_iter().find(|name| is_of(name)).unwrap_or(input) }
+    }
+
     /// A value with its unit; of an input that is not set, its default.
     fn value(&self, of: &Document, id: &NodeId, input: &str, said: &Option<Said>) -> String {
-        let kind = of.node(id.as_str()).map_or("", |node| &node.kind);
-        let def = coif_nodes::by_id(kind).and_then(|def| def.input(input));
-        let Some(value) = value(kind, input, said) else {
+        let input = self.called(of, id, input);
+        let def = of.def(id).and_then(|def| def.input(input));
+        let Some(value) = value(of, id, input, said) else {
             return said.as_ref().map_or_else(|| "not set".to_owned(), |said| short(&plain(said)));
         };
         let unit = def.map_or("", |(_, input)| input.unit.suffix());
@@ -375,9 +395,8 @@ impl Telling<'_> {
     /// The node that a wire comes from, with its output where it gives several.
     fn source(&self, socket: &Socket) -> String {
         let of = if self.b.nodes.contains_key(&socket.node) { self.b } else { self.a };
-        let kind = of.node(socket.node.as_str()).map_or("", |node| &node.kind);
         let name = self.name(&socket.node);
-        match coif_nodes::by_id(kind).is_some_and(|def| def.outputs.len() == 1) {
+        match of.def(&socket.node).is_some_and(|def| def.outputs.len() == 1) {
             true => name,
             false => format!("{name}.{}", short(&socket.name)),
         }

@@ -12,6 +12,7 @@ use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type, Unit, Value,
 use coif_nodes::formats::usd::groom::identifier;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::sync::Arc;
 
 /// Whether a problem keeps a groom from being evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -195,10 +196,16 @@ fn find_cycle(document: &Document, among: &BTreeSet<NodeId>) -> Option<Cycle> {
     }
 }
 
-/// Circles of the document that share no node, the first by id first; none when it can be ordered.
+/// So many circles are told of one document, and inputs that nothing is wired to with what could be: who has more has seen enough.
+const MOST_TOLD: usize = 100;
+
+/// Circles of the document that share no node, the first by id first, at most a hundred; none when it can be ordered.
 pub fn cycles(document: &Document) -> Vec<Cycle> {
     let (mut cycles, mut left_out) = (vec![], BTreeSet::new());
     loop {
+        if cycles.len() == MOST_TOLD {
+            return cycles;
+        }
         let (_, rest) = sorted(document, &left_out);
         let Some(cycle) = find_cycle(document, &rest) else { return cycles };
         left_out.extend(cycle.0.iter().cloned());
@@ -220,6 +227,15 @@ pub fn downstream<'a>(
     of: impl IntoIterator<Item = &'a NodeId>,
 ) -> BTreeSet<NodeId> {
     let fed = fed(document);
+    below(document, &fed, of)
+}
+
+/// The same, where it is known what each node feeds.
+fn below<'a>(
+    document: &Document,
+    fed: &BTreeMap<&NodeId, BTreeSet<&NodeId>>,
+    of: impl IntoIterator<Item = &'a NodeId>,
+) -> BTreeSet<NodeId> {
     let next = |id: &NodeId| fed.get(id).into_iter().flatten().map(|id| (*id).clone()).collect();
     reached(document, of, next)
 }
@@ -280,6 +296,26 @@ pub fn targets(document: &Document) -> BTreeSet<NodeId> {
     targets
 }
 
+/// The nodes that lead to no target, but for those that feed others of them or lie in one: whatever they make, nothing comes of it.
+pub fn leading_nowhere(document: &Document) -> Vec<NodeId> {
+    let needed = upstream(document, &targets(document));
+    let unneeded = |id: &NodeId| !needed.contains(id);
+    let feeding: BTreeSet<&NodeId> = document
+        .nodes
+        .keys()
+        .filter(|id| unneeded(id))
+        .flat_map(|id| feeders(document, id))
+        .collect();
+    let leads_nowhere = |(id, node): &(&NodeId, &Arc<Node>)| {
+        let is_border = [declared::GROUP_INPUT, declared::GROUP_OUTPUT];
+        unneeded(id)
+            && !feeding.contains(id)
+            && !is_border.contains(&node.kind.as_str())
+            && id.group().is_none_or(|group| !unneeded(&group))
+    };
+    document.nodes.iter().filter(leads_nowhere).map(|(id, _)| id.clone()).collect()
+}
+
 /// Everything wrong with a document for its [`targets`]; errors first.
 pub fn check(document: &Document) -> Vec<Problem> {
     check_for(document, &targets(document))
@@ -296,10 +332,11 @@ pub fn check_for(document: &Document, targets: &BTreeSet<NodeId>) -> Vec<Problem
         let text = Cycle(nodes.clone()).to_string();
         problems.push(problem(Fault::Cycle, &nodes[0], None, text, "remove one of these wires"));
     }
+    let mut advice = Advice { document, fed: None, given: 0 };
     for (id, node) in &document.nodes {
         groups::check(document, id, node, &mut problems);
         match document.def(id) {
-            Some(def) => check_node(document, id, node, def, &mut problems),
+            Some(def) => check_node(&mut advice, id, node, def, &mut problems),
             None if declared::KINDS.contains(&node.kind.as_str()) => {}
             None => problems.push(unknown_kind(id, &node.kind)),
         }
@@ -414,14 +451,14 @@ fn no_node(to: &Socket, missing: &NodeId) -> Problem {
 }
 
 fn check_node(
-    document: &Document,
+    advice: &mut Advice,
     id: &NodeId,
     node: &Node,
     def: &'static NodeDef,
     problems: &mut Vec<Problem>,
 ) {
     for input in def.inputs {
-        let wired = document.links.contains_key(&Socket::new(id.clone(), input.name));
+        let wired = advice.document.links.contains_key(&Socket::new(id.clone(), input.name));
         let set = node.inputs.get(input.name).filter(|_| node.kind != declared::GROUP_OUTPUT);
         let is_empty = input.ty == Type::File
             && matches!(set, Some(Setting::Known(Value::Text(path))) if path.is_empty());
@@ -435,8 +472,8 @@ fn check_node(
                 continue;
             }
             let text = format!("nothing is wired to it, {} is needed", input.ty.name());
-            let from = fitting(document, id, input.ty);
-            let remedy = match from {
+            let remedy = match advice.fitting(id, input.ty) {
+                None if advice.given == MOST_TOLD => format!("wire {} to it", input.ty.name()),
                 Some(from) => format!("wire {} to it, such as {from}", input.ty.name()),
                 None => format!("add a node that gives {} and wire it", input.ty.name()),
             };
@@ -461,17 +498,31 @@ fn check_node(
     }
 }
 
-/// An output that could be wired, for advice: the first by id that gives `ty` and does not hang
-/// from `id`.
-fn fitting(document: &Document, id: &NodeId, ty: Type) -> Option<Socket> {
-    let below = downstream(document, [id]);
-    let group = id.group();
-    let mut others =
-        document.nodes.keys().filter(|other| !below.contains(*other) && other.group() == group);
-    others.find_map(|other| {
-        let output = document.def(other)?.outputs.iter().find(|output| output.ty.fits(ty))?;
-        Some(Socket::new(other.clone(), output.name))
-    })
+/// What could be wired, for the first inputs that nothing is wired to.
+struct Advice<'a> {
+    document: &'a Document,
+    /// For each node those it feeds, once it was asked for.
+    fed: Option<BTreeMap<&'a NodeId, BTreeSet<&'a NodeId>>>,
+    given: usize,
+}
+
+impl Advice<'_> {
+    /// An output that could be wired: the first by id that gives `ty` and does not hang from `id`.
+    fn fitting(&mut self, id: &NodeId, ty: Type) -> Option<Socket> {
+        if self.given == MOST_TOLD {
+            return None;
+        }
+        self.given += 1;
+        let document = self.document;
+        let below = below(document, self.fed.get_or_insert_with(|| fed(document)), [id]);
+        let group = id.group();
+        let mut others =
+            document.nodes.keys().filter(|other| !below.contains(*other) && other.group() == group);
+        others.find_map(|other| {
+            let output = document.def(other)?.outputs.iter().find(|output| output.ty.fits(ty))?;
+            Some(Socket::new(other.clone(), output.name))
+        })
+    }
 }
 
 fn check_value(
@@ -630,7 +681,6 @@ mod tests {
     use super::super::edit::Edit;
     use super::*;
     use expect_test::{Expect, expect};
-    use std::sync::Arc;
 
     fn id(text: &str) -> NodeId {
         NodeId::new(text).unwrap()
@@ -758,6 +808,30 @@ mod tests {
                 Warning (not needed): b.curves: nothing is wired to it, curves is needed; wire curves to it, such as a.curves
             "#]],
         );
+    }
+
+    #[test]
+    fn what_leads_nowhere_is_the_last_of_what_no_target_needs() {
+        let nowhere =
+            |text: &str| said(leading_nowhere(&crate::file::read(text).unwrap().document));
+        let of = |more: &str| {
+            nowhere(&format!(
+                r#"(format: 3, nodes: {{
+                    "head": (kind: "head"), "a": (kind: "scatter_guides", links: {{"scalp": "head.scalp"}}),
+                    "b": (kind: "resample", links: {{"curves": "a.curves"}}),
+                    "c": (kind: "resample", links: {{"curves": "b.curves"}}), {more}
+                }})"#
+            ))
+        };
+        assert_eq!(of(""), "");
+        assert_eq!(of(r#""out": (kind: "groom_output", links: {"curves": "a.curves"})"#), "c");
+        assert_eq!(of(r#""out": (kind: "groom_output", links: {"curves": "c.curves"})"#), "");
+        let group = r#""g": (kind: "group", interface: (outputs: [(name: "curves", type: "curves")]),
+            nodes: {"out": (kind: "group_output", links: {"curves": "x.curves"}), "in": (kind: "group_input"),
+                "x": (kind: "stroke_input"), "y": (kind: "stroke_input")})"#;
+        let out = r#"(kind: "groom_output", links: {"curves": "g.curves"})"#;
+        assert_eq!(of(&format!(r#"{group}, "out": {out}"#)), "c g/y");
+        assert_eq!(of(&format!(r#"{group}, "out": {}"#, out.replace("g.", "c."))), "g");
     }
 
     #[test]

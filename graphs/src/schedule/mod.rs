@@ -7,6 +7,7 @@
 pub mod budget;
 pub mod cache;
 pub mod files;
+pub mod foreseen;
 mod held;
 pub mod plan;
 pub mod request;

@@ -4,7 +4,7 @@
 //! cycle. So running it can only fail in the nodes themselves.
 
 use crate::document::budget::Budget;
-use coif_nodes::define::{NodeDef, Value};
+use coif_nodes::define::{NodeDef, Type, Value};
 use coif_nodes::eval::Quality;
 
 /// Where one value of an input comes from.
@@ -33,6 +33,34 @@ pub struct Step {
     /// For each input of the kind, in order: nothing, a value, or wires.
     pub inputs: Vec<Vec<Source>>,
 }
+
+impl Step {
+    /// The steps that it reads, once for each wire.
+    pub(super) fn wires(&self) -> impl Iterator<Item = usize> {
+        #[cfg(test)]
+        LOOKED_AT.with(|looks| looks.set(looks.get() + 1));
+        self.inputs.iter().flatten().filter_map(|source| match source {
+            Source::Wire { step, .. } => Some(*step),
+            Source::Value(_) => None,
+        })
+    }
+
+    /// Whether it could be passed by: it gives curves alone, and some come in.
+    pub(super) fn can_pass_on(&self) -> bool {
+        let mut inputs = self.def.inputs.iter().zip(&self.inputs);
+        self.def.outputs.iter().all(|output| output.ty == Type::Curves)
+            && inputs.any(|(input, from)| input.ty == Type::Curves && !from.is_empty())
+    }
+}
+
+#[cfg(test)]
+thread_local! {
+    /// How often the wires of a step were asked for.
+    pub(super) static LOOKED_AT: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
+/// What a node says that is passed by and could not be.
+pub(super) const NOTHING_TO_PASS: &str = "bypassed, but it has no curves to pass on";
 
 /// What must run.
 #[derive(Clone)]

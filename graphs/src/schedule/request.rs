@@ -4,6 +4,7 @@
 //! missing mesh is found before anything runs.
 
 use super::files::Files;
+use super::foreseen::foreseen;
 use super::plan::{Plan, Source, Step};
 use crate::document::budget::Budget;
 use crate::document::{Document, Node, NodeId, Setting, Socket, graph};
@@ -45,6 +46,22 @@ pub fn plan(
     }
 }
 
+/// The same plan, when its nodes, too, refuse nothing that is known before they run ([`foreseen`]). Whoever says whether a document
+/// can be evaluated asks this, so that all say the same.
+///
+/// # Errors
+/// As [`plan`]; else everything that its nodes will refuse.
+pub fn proven(
+    document: &Document,
+    targets: &[Socket],
+    quality: Quality,
+    files: &dyn Files,
+) -> Result<Plan, Vec<BadRequest>> {
+    let plan = plan(document, targets, quality, files).map_err(|bad| vec![bad])?;
+    let refused = foreseen(&plan);
+    if refused.is_empty() { Ok(plan) } else { Err(refused) }
+}
+
 /// The plan that gives as many of `targets` as can be given, in their order, and for each target why it
 /// cannot, or none where it is in the plan. For the editor, where a broken node aside does not stop
 /// the display.
@@ -80,11 +97,7 @@ fn drop_unneeded(plan: &mut Plan) {
     // From the last on: a step's wires lead to earlier ones only.
     for i in (0..plan.steps.len()).rev() {
         if needed[i] {
-            for source in plan.steps[i].inputs.iter().flatten() {
-                if let Source::Wire { step, .. } = source {
-                    needed[*step] = true;
-                }
-            }
+            plan.steps[i].wires().for_each(|step| needed[step] = true);
         }
     }
     let mut numbers = vec![0; plan.steps.len()];

@@ -8,7 +8,7 @@
 use super::budget::most_points;
 use super::cache::Cache;
 use super::held;
-use super::plan::{Plan, Source, Step};
+use super::plan::{NOTHING_TO_PASS, Plan, Source, Step};
 use super::result::{NodeReport, Outcome};
 use coif_nodes::data::gestures::Replayed;
 use coif_nodes::data::scalp::Scalp;
@@ -16,6 +16,7 @@ use coif_nodes::define::{InputDef, NodeError, Type, Value};
 use coif_nodes::eval::{EvalCx, Host, Kept, Log, MOST_POINTS, Message, Quality, Room};
 use coif_nodes::maths::hash::{Key, KeyBuilder};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::panic::AssertUnwindSafe;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
@@ -147,31 +148,28 @@ impl Evaluator {
     ) -> Outcome {
         let began = Instant::now();
         let n = plan.steps.len();
-        let wires = |step: &Step| {
-            let all = step.inputs.iter().flatten();
-            all.filter_map(|s| match s {
-                Source::Wire { step, .. } => Some(*step),
-                Source::Value(_) => None,
-            })
-            .collect::<Vec<_>>()
-        };
-        let mut waiting: Vec<usize> = plan.steps.iter().map(|s| wires(s).len()).collect();
+        // For each step those that read it, once for each wire.
+        let mut read_by: Vec<Vec<usize>> = vec![vec![]; n];
+        for (i, step) in plan.steps.iter().enumerate() {
+            step.wires().for_each(|from| read_by[from].push(i));
+        }
+        let mut waiting: Vec<usize> = plan.steps.iter().map(|step| step.wires().count()).collect();
         // How many more readers each step's values have; targets are read at the end.
-        let mut readers = vec![0usize; n];
-        plan.steps.iter().flat_map(wires).for_each(|step| readers[step] += 1);
+        let mut readers: Vec<usize> = read_by.iter().map(Vec::len).collect();
         plan.targets.iter().for_each(|(step, _)| readers[*step] += 1);
         let mut values: Vec<Option<Vec<Value>>> = vec![None; n];
         let mut reports: Vec<Option<NodeReport>> = vec![None; n];
         // Held until the end, when all is built that is asked of them.
         let mut heads: Vec<Vec<Arc<Scalp>>> = vec![vec![]; n];
-        let mut ready: Vec<usize> = (0..n).rev().filter(|i| waiting[*i] == 0).collect();
+        // The first of the plan comes first.
+        let mut ready: BTreeSet<usize> = (0..n).filter(|i| waiting[*i] == 0).collect();
         let (mut running, mut finished) = (0, 0);
         let threads = self.threads(plan.quality);
         let (send, receive) = mpsc::channel::<(usize, NodeReport, Option<Vec<Value>>)>();
         std::thread::scope(|scope| {
             loop {
                 while running < threads
-                    && let Some(i) = ready.pop()
+                    && let Some(i) = ready.pop_first()
                 {
                     let inputs: Vec<Vec<Value>> = plan.steps[i]
                         .inputs
@@ -187,7 +185,7 @@ impl Evaluator {
                         })
                         .collect();
                     // Not held here any more while the node runs: it may be the last reader.
-                    for step in wires(&plan.steps[i]) {
+                    for step in plan.steps[i].wires() {
                         readers[step] -= 1;
                         if readers[step] == 0 {
                             values[step] = None;
@@ -212,14 +210,12 @@ impl Evaluator {
                 reports[i] = Some(report);
                 if let Some(given) = &out {
                     heads[i].extend(given.iter().filter_map(head_of));
-                    for (j, step) in plan.steps.iter().enumerate().skip(i + 1) {
-                        let uses = wires(step).iter().filter(|s| **s == i).count();
-                        waiting[j] -= uses;
-                        if uses > 0 && waiting[j] == 0 {
-                            ready.push(j);
+                    for j in read_by[i].iter().copied() {
+                        waiting[j] -= 1;
+                        if waiting[j] == 0 {
+                            ready.insert(j);
                         }
                     }
-                    ready.sort_unstable_by(|a, b| b.cmp(a));
                     if readers[i] > 0 {
                         values[i] = out;
                     }
@@ -259,8 +255,7 @@ impl Evaluator {
         let keys = Keys::new(step, &inputs, plan.seed, plan.quality);
         let known = self.cache().find(keys.whole).and_then(|kept| kept.downcast::<Known>().ok());
         let result = if step.bypass {
-            passed_through(step, &inputs)
-                .ok_or_else(|| NodeError::failed("bypassed, but it has no curves to pass on"))
+            passed_through(step, &inputs).ok_or_else(|| NodeError::failed(NOTHING_TO_PASS))
         } else if let Some(known) = known {
             report.cached = true;
             report.messages.clone_from(&known.messages);
@@ -499,8 +494,10 @@ impl Host for PoolHost<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::budget::Budget;
     use crate::document::{Document, NodeId, Socket};
     use crate::schedule::files::DiskFiles;
+    use crate::schedule::plan::LOOKED_AT;
     use crate::schedule::request::plan;
     use coif_nodes::data::curves::Curves;
 
@@ -538,6 +535,32 @@ mod tests {
         check("merge", &[vec![]], &[0], None);
         let told = Message { warning: true, text: "so".to_owned(), count: 0, curves: vec![] };
         assert_eq!(vanished(&step("merge"), &two, &[curves(0)], &[told]), None);
+    }
+
+    #[test]
+    fn each_node_of_a_long_chain_is_looked_at_a_few_times() {
+        let def = coif_nodes::by_id("merge").unwrap();
+        let step = |n: usize| {
+            let from = n.checked_sub(1).map(|step| Source::Wire { step, output: 0 });
+            let mut inputs = vec![vec![]; def.inputs.len()];
+            inputs[0].extend(from);
+            Step { name: format!("n{n}"), def, bypass: false, inputs }
+        };
+        let n = 2000;
+        let plan = Plan {
+            seed: 0,
+            quality: Quality::Final,
+            allow_large: false,
+            budget: Budget::default(),
+            steps: (0..n).map(step).collect(),
+            targets: vec![(n - 1, 0)],
+        };
+        let evaluator = Evaluator::new(1, 0).unwrap();
+        let before = LOOKED_AT.get();
+        let outcome = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+        assert!(outcome.targets[0].is_some() && outcome.nodes.len() == n);
+        let looks = LOOKED_AT.get() - before;
+        assert!(looks <= 4 * n, "{looks}");
     }
 
     #[test]

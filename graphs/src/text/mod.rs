@@ -13,7 +13,7 @@ pub(crate) mod tokens;
 pub(crate) mod values;
 
 pub(crate) use values::proven_value;
-pub use values::{parse_value, read_value, write_value};
+pub use values::{parse_value, read_value, whole_number, write_value};
 
 use coif_nodes::define::short;
 use ron::value::RawValue;

@@ -101,10 +101,18 @@ impl FileStroke {
     fn brush(&self) -> Result<Option<Brush>, String> {
         let Self { radius, strength, mirrored, closed, .. } = *self;
         if self.mode.is_empty() {
-            let says = radius != 0.0 || strength != 0.0 || mirrored || closed;
-            return match says || !self.section.is_empty() {
-                true => Err("it has a brush without a mode".to_owned()),
-                false => Ok(None),
+            let says = [
+                ("radius", radius != 0.0),
+                ("strength", strength != 0.0),
+                ("mirrored", mirrored),
+                ("closed", closed),
+                ("section", !self.section.is_empty()),
+            ];
+            let says: Vec<&str> =
+                says.into_iter().filter(|(_, is_said)| *is_said).map(|(name, _)| name).collect();
+            return match says[..] {
+                [] => Ok(None),
+                _ => Err(without_mode(&says)),
             };
         }
         let known = || Mode::ALL.iter().map(|(_, word)| *word).collect::<Vec<_>>();
@@ -112,6 +120,19 @@ impl FileStroke {
             .ok_or_else(|| format!("its mode {}", no_such_word(&self.mode, &known())))?;
         Ok(Some(Brush { mode, radius, strength, mirrored, closed, section: self.section.clone() }))
     }
+}
+
+/// What to do about parts of a brush that has no mode.
+fn without_mode(says: &[&str]) -> String {
+    let (names, modes) = (says.join(", "), Mode::ALL.iter().map(|(_, word)| format!("{word:?}")));
+    let modes = modes.collect::<Vec<_>>().join(", ");
+    let closes = match says.contains(&"closed") {
+        true => ": a hairline closes by itself",
+        false => "",
+    };
+    format!(
+        "it says {names} without a mode; to paint a mask write mode ({modes}), radius and strength, else leave {names} out{closes}"
+    )
 }
 
 fn samples(
@@ -225,7 +246,16 @@ mod tests {
         }
         let none = "stroke 8: its mode \"pait\" is none of paint, erase, smooth, flood; did you mean \"paint\"?";
         check("paint", "pait", none);
-        check("mode: \"paint\", ", "", "stroke 8: it has a brush without a mode");
+        check(
+            "mode: \"paint\", ",
+            "",
+            "stroke 8: it says radius, strength without a mode; to paint a mask write mode (\"paint\", \"erase\", \"smooth\", \"flood\")",
+        );
+        check(
+            "mode: \"paint\", radius: 1.0, strength: 0.5",
+            "closed: true",
+            "radius and strength, else leave closed out: a hairline closes by itself",
+        );
         check(
             "radius: 1.0",
             "radius: 0.01",

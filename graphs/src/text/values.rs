@@ -19,14 +19,28 @@ use std::sync::Arc;
 /// The deepest nesting of brackets in one value: deeper is an attack on a recursive reader.
 const DEEPEST: usize = 64;
 
-/// Reads what a command line gives: RON, or for texts, choices and files a bare word.
+/// Reads what a command line or a table gives: RON, or for texts, choices and files a bare word. A whole number may have decimals
+/// that are 0, as spreadsheets write it.
 pub fn parse_value(ty: Type, text: &str) -> Result<Value, String> {
     let text = text.trim();
+    if let (Type::Int, Some(whole)) = (ty, whole_number(text)) {
+        return fit(ty, Value::Int(whole));
+    }
     let bare = matches!(ty, Type::Text | Type::Choice(_) | Type::File)
         && !text.starts_with('"')
         && !text.starts_with("r\"")
         && !text.starts_with("r#");
     if bare { fit(ty, Value::Text(text.into())) } else { read_value(ty, text) }
+}
+
+/// The whole number that a text is, such as `50`, `50.0` or `5e1`.
+pub fn whole_number(text: &str) -> Option<i64> {
+    /// Beyond, not every whole number is a float.
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    text.parse().ok().or_else(|| {
+        let x: f64 = text.parse().ok()?;
+        (x.fract() == 0.0 && x.abs() <= EXACT).then_some(x as i64)
+    })
 }
 
 /// Reads RON text as an input of type `ty` would have it. The error names the text and says how it

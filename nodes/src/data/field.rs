@@ -171,6 +171,15 @@ impl Field {
         }
     }
 
+    /// Names of the masks that it reads, but for those of other nodes.
+    pub fn mask_names(&self) -> Vec<&str> {
+        match self {
+            Field::Mask(name) => vec![name],
+            Field::Product(parts) => parts.iter().flat_map(Field::mask_names).collect(),
+            _ => vec![],
+        }
+    }
+
     /// Whether it contains something that comes by wire only: a painted mask or a texture.
     pub fn is_wired(&self) -> bool {
         match self {

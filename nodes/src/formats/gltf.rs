@@ -409,6 +409,8 @@ impl<'a> Reader<'_, 'a> {
         (mesh.parts, mesh.part_of) = self.parts.into_columns(mesh.part_of);
         finish(&mut mesh, Weld::InPart)?;
         mesh.notes.extend(plan.note().map(str::to_owned));
+        let animations = self.tables.doc.root().get("animations").into_iter();
+        let animations = animations.flat_map(JsonValue::items).count();
         let without_uv = if mesh.uvs.is_some() { notes.without_uv } else { 0 };
         for (n, text) in [
             (without_uv, "triangles have no uv and got (0, 0)"),
@@ -433,6 +435,7 @@ impl<'a> Reader<'_, 'a> {
                 "nodes are hidden by KHR_node_visibility: they and what lies in them were left out",
             ),
             (notes.instanced, "nodes have EXT_mesh_gpu_instancing: their copies were left out"),
+            (animations, "animations are not read: the mesh is in the pose that the file is in"),
         ] {
             if n > 0 {
                 mesh.notes.push(format!("{n} {text}"));
@@ -586,6 +589,13 @@ mod tests {
         assert_eq!(mesh.parts, ["Object_1"]);
         assert_eq!(mesh.also, [vec!["strip", "Hair", "rig"], vec!["strip", "rig"]]);
         assert_eq!(mesh.also_of, [0, 0, 1, 1]);
+    }
+
+    #[test]
+    fn animations_are_told_of() {
+        let note = "note: 2 animations are not read: the mesh is in the pose that the file is in";
+        check(&[("animations", r#"[{"name":"walk"}, {}]"#)], &["@", "#", note]);
+        check(&[("animations", "[]")], &["@", "#"]);
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Root, Scalp};
-use crate::define::{FieldInput, NodeError, choice, node, unless};
+use crate::define::{FieldInput, NodeError, Told, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::r2;
@@ -37,7 +37,8 @@ node! {
     /// Wire the rows that the braids follow. The parting lies halfway between neighbouring rows; hairs are rooted there
     /// and combed over the scalp into the braid, evenly or gathered at each stitch. On a parted scalp (node Partings),
     /// only rows of the same section are neighbours, and hairs stay inside the section.
-    "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins, scales;
+    "edge_partition", version 1, label "Edge partition", words "parting part side middle hairs section cornrow canerow braid edge guide partition segments pulled comb line", thins, scales,
+        refuses(ungrouped);
     inputs {
         /// The rows, root first: the same curves that the braids follow.
         source: Curves, words("rows braids guides");
@@ -165,6 +166,16 @@ const PICKED: i32 = 4;
 /// that none is missed.
 const LOOK: f32 = 0.4;
 
+/// A grouping by curves that are not wired.
+fn ungrouped(told: &Told) -> Result<(), NodeError> {
+    // Each grouping by curves has the name of their input.
+    let by = ["stitches", "picked"];
+    match by.into_iter().find(|by| told.is("grouping", by) && !told.arrives(by)) {
+        Some(input) => Err(NodeError::Unconnected { input, expected: "curves" }),
+        None => Ok(()),
+    }
+}
+
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let scalp = &*inputs.scalp;
     let skin = cx.skin(scalp);
@@ -183,15 +194,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         cvs: inputs.cvs as usize,
         clear: CLEAR * cx.unit(),
     };
-    match (inputs.grouping, &inputs.stitches, &inputs.picked) {
-        (Grouping::Stitches, None, _) => {
-            return Err(NodeError::Unconnected { input: "stitches", expected: "curves" });
-        }
-        (Grouping::Picked, _, None) => {
-            return Err(NodeError::Unconnected { input: "picked", expected: "curves" });
-        }
-        _ => {}
-    }
     let others = inputs.adjacent.as_ref().unwrap_or(&inputs.source);
     let lists = [
         (BESIDE, Some(others)),

@@ -22,7 +22,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::lift;
 use crate::data::scalp::{Root, Scalp, Skin};
-use crate::define::{NodeError, choice, node, unless};
+use crate::define::{NodeError, Told, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
@@ -40,7 +40,8 @@ node! {
     /// `guides` are rows and columns of curves that end on the sphere; `curves` is the hair between them. Follow it
     /// with Shape-list curl, with length at `fibre` or `span`, to curl the puff and keep its outline.
     "sphere_puff", version 1, label "Sphere puff",
-        words "puff afro bun buns space pom ball bunches sphere silhouette", thins, scales;
+        words "puff afro bun buns space pom ball bunches sphere silhouette", thins, scales,
+        refuses(without_mesh);
     inputs {
         /// Head that the puff grows on.
         scalp: Arc<Scalp>;
@@ -157,14 +158,18 @@ choice! {
     }
 }
 
-fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
-    let scalp = &*inputs.scalp;
-    if inputs.shape == Shape::Mesh && inputs.mesh.is_none() {
+fn without_mesh(told: &Told) -> Result<(), NodeError> {
+    if told.is("shape", "mesh") && !told.arrives("mesh") {
         return Err(NodeError::failed(
             "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
              another shape",
         ));
     }
+    Ok(())
+}
+
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let scalp = &*inputs.scalp;
     let skin = cx.skin(scalp);
     let unit = cx.unit();
     let dice = cx.dice(inputs.seed, "puff");

@@ -9,6 +9,7 @@ use super::face::{By, FACE};
 use super::find::{self, FoundHead, Pieces};
 use super::fit::{self, Fit};
 use super::parts::{self, Parts};
+use super::told::{mask_names, refused};
 use super::{bust, choose, drawn, facing, hollow, landmarks, region};
 use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
@@ -36,7 +37,8 @@ node! {
     /// Parts that are left out grow no hair, and the cranium is not fitted to them. Landmarks fit a groom to another
     /// head: front and nape are where the hairline crosses the midline, the temples where it runs between forehead and
     /// ear, the ears the skin just above them, and crown and chin.
-    "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb vrm avatar surface emitter character skin";
+    "head", version 1, label "Head", words "skull bust mesh scalp model import obj gltf glb vrm avatar surface emitter character skin",
+        refuses(refused), masks(mask_names);
     inputs {
         /// Built-in head, used while no mesh file is set.
         builtin: Builtin = Builtin::Adult, words("default bust");
@@ -410,7 +412,7 @@ fn tell_region(
 /// A mesh whose height is below this fraction of its width is flat.
 const FLAT: f32 = 1e-3;
 
-fn read(file: &FileData) -> Result<Mesh, NodeError> {
+pub(super) fn read(file: &FileData) -> Result<Mesh, NodeError> {
     let side = |name: &str| file.sides.get(name).cloned();
     read_mesh(&file.extension, &file.bytes, &side)
         .map_err(|err| NodeError::Refused { file: file.path.clone(), reason: err.to_string() })
@@ -500,7 +502,7 @@ const SNAP_DEGREES: f32 = 5.0;
 const SNAP_FARTHEST_DEGREES: f32 = 20.0;
 
 /// Name of the mask of a hollow head's inner wall.
-const INNER_WALL: &str = "inner_wall";
+pub(super) const INNER_WALL: &str = "inner_wall";
 
 /// Direction of the face: level and unit, Y up.
 fn forward(cx: &EvalCx, inputs: &Inputs, up: Up, found: &FoundHead) -> Result<Vec3, NodeError> {
@@ -599,6 +601,23 @@ fn own_region(masks: &BTreeMap<String, Vec<f32>>) -> Option<&Vec<f32>> {
     masks.get(REGION).or_else(|| masks.get("hairline"))
 }
 
+/// A region by a name that is none of the `known` ones with the prefix.
+pub(super) fn unknown_region<'a>(
+    value: &str,
+    prefix: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> NodeError {
+    let known: Vec<&str> = known.filter_map(|name| name.strip_prefix(prefix)).collect();
+    NodeError::BadValue {
+        input: "region_name",
+        value: format!("{value:?}"),
+        reason: match known.is_empty() {
+            true => "is not there: the mesh has none".to_owned(),
+            false => format!("is not there; the mesh has: {}", known.join(", ")),
+        },
+    }
+}
+
 /// `ears` are the vertices of both ears; `None` if the mesh is not a head.
 fn grows(
     cx: &EvalCx,
@@ -607,17 +626,8 @@ fn grows(
     ears: Option<&Vec<Vec3>>,
     masks: &BTreeMap<String, Vec<f32>>,
 ) -> Result<Vec<f32>, NodeError> {
-    let unknown = |value: &str, prefix: &str| {
-        let known: Vec<&str> = masks.keys().filter_map(|name| name.strip_prefix(prefix)).collect();
-        NodeError::BadValue {
-            input: "region_name",
-            value: format!("{value:?}"),
-            reason: match known.is_empty() {
-                true => "is not there: the mesh has none".to_owned(),
-                false => format!("is not there; the mesh has: {}", known.join(", ")),
-            },
-        }
-    };
+    let unknown =
+        |value: &str, prefix: &str| unknown_region(value, prefix, masks.keys().map(String::as_str));
     let check = || cx.check();
     let softness = inputs.edge * frame.unit();
     match inputs.region {

@@ -27,6 +27,7 @@ mod scalp_projection;
 mod sketch;
 pub(crate) mod territory;
 mod texture_mask;
+mod told;
 
 use crate::define::NodeDef;
 

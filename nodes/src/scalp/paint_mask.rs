@@ -10,7 +10,7 @@ use crate::data::laid::ClosedStroke;
 use crate::data::painted::{Edges, GridMeans, Painted};
 use crate::data::scalp::Scalp;
 use crate::data::strokes::Strokes;
-use crate::define::{FieldInput, NodeError, node};
+use crate::define::{FieldInput, NodeError, Told, Value, node};
 use crate::eval::{EvalCx, Size};
 use crate::maths::hash::Key;
 use std::collections::BTreeSet;
@@ -23,7 +23,8 @@ node! {
     /// Strokes are stored in the head frame, so the mask transfers to another head and stays sharp on a coarse mesh. A
     /// closed stroke works like a hairline: its inside is the mask, with a soft edge.
     "paint_mask", version 1, label "Paint mask",
-        words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture", scales;
+        words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture", scales,
+        refuses(on_hair);
     inputs {
         /// Painted strokes, in order. Paint them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("pen dabs brush painted");
@@ -45,16 +46,21 @@ node! {
     }
 }
 
+fn on_hair(told: &Told) -> Result<(), NodeError> {
+    let reads = match told.value("base") {
+        Some(Value::Field(field)) => reads_hair(&field),
+        Some(Value::Ramp(_)) => true,
+        _ => false,
+    };
+    if !reads {
+        return Ok(());
+    }
+    let reason = "is read on the scalp, before there is hair: give a number, a mask, or wire another painted mask";
+    Err(NodeError::BadValue { input: "base", value: "it".to_owned(), reason: reason.to_owned() })
+}
+
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let Inputs { scalp, strokes, base, .. } = inputs;
-    if reads_hair(&base.field) {
-        let reason = "is read on the scalp, before there is hair: give a number, a mask, or wire another painted mask";
-        return Err(NodeError::BadValue {
-            input: "base",
-            value: "it".to_owned(),
-            reason: reason.to_owned(),
-        });
-    }
     let samples: usize = strokes.0.iter().map(|stroke| stroke.samples.len()).sum();
     cx.may_make(&Size::of(&[("samples of strokes", samples as f64)]))?;
     tell_sections(cx, &scalp, &strokes);

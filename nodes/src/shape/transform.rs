@@ -10,7 +10,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::route::{Left, carried};
 use crate::data::scalp::{HeadFrame, Scalp};
-use crate::define::{NodeError, choice, node};
+use crate::define::{NodeError, Told, Value, choice, node};
 use crate::eval::EvalCx;
 use crate::maths::transcendental::{exp, ln, sin_cos};
 use glam::{Mat3, Vec2, Vec3};
@@ -18,7 +18,8 @@ use std::sync::Arc;
 
 node! {
     /// Moves, rotates and scales curves as a whole.
-    "transform", version 1, label "Transform", words "move translate rotate scale mirror place position xform flip";
+    "transform", version 1, label "Transform", words "move translate rotate scale mirror place position xform flip",
+        refuses(refused);
     inputs {
         /// Curves to move.
         curves: Curves;
@@ -63,12 +64,39 @@ choice! {
     }
 }
 
+/// What needs a scalp and has none, and a scale that leaves nothing.
+fn refused(told: &Told) -> Result<(), NodeError> {
+    let (has_scalp, bind) = (told.arrives("scalp"), told.is("roots", "bind"));
+    let vector = |name: &str| match told.value(name) {
+        Some(Value::Vec3(x)) => x,
+        _ => Vec3::NAN,
+    };
+    let (translate, rotate, scale) = (vector("translate"), vector("rotate"), vector("scale"));
+    if !has_scalp && bind {
+        return Err(NodeError::failed("scalp is not connected: roots can only be bound to one"));
+    }
+    if translate == Vec3::ZERO && rotate == Vec3::ZERO && scale == Vec3::ONE {
+        return Ok(());
+    }
+    if scale == Vec3::ZERO {
+        let [x, y, z] = scale.to_array();
+        return Err(NodeError::BadValue {
+            input: "scale",
+            value: format!("({x}, {y}, {z})"),
+            reason: "leaves no length in any direction".to_owned(),
+        });
+    }
+    if !has_scalp && told.is("space", "head") {
+        return Err(NodeError::failed(
+            "scalp is not connected: wire it, or choose the space \"world\"",
+        ));
+    }
+    Ok(())
+}
+
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let bind = inputs.roots == Roots::Bind;
     let scalp = inputs.scalp.as_deref();
-    if scalp.is_none() && bind {
-        return Err(NodeError::failed("scalp is not connected: roots can only be bound to one"));
-    }
     let identity = inputs.translate == Vec3::ZERO
         && inputs.rotate == Vec3::ZERO
         && inputs.scale == Vec3::ONE
@@ -76,29 +104,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if identity {
         return Ok(Outputs { curves: inputs.curves });
     }
-    if inputs.scale.min_element() == 0.0 && inputs.scale.max_element() == 0.0 {
-        let [x, y, z] = inputs.scale.to_array();
-        return Err(NodeError::BadValue {
-            input: "scale",
-            value: format!("({x}, {y}, {z})"),
-            reason: "leaves no length in any direction".to_owned(),
-        });
-    }
-    let frame = match (inputs.space, scalp) {
-        (Space::World, _) => HeadFrame::IDENTITY,
-        (Space::Head, Some(scalp)) => *scalp.frame(),
-        (Space::Head, None) => {
-            return Err(NodeError::failed(
-                "scalp is not connected: wire it, or choose the space \"world\"",
-            ));
-        }
-    };
+    let of_head = scalp.filter(|_| inputs.space == Space::Head);
+    let frame = of_head.map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
     let head = Mat3::from_cols(frame.right, frame.up, frame.forward);
     let turn = head * rotation(inputs.rotate) * head.transpose();
     let matrix = turn * head * Mat3::from_diagonal(inputs.scale) * head.transpose();
-    let pivot = match (inputs.space, scalp) {
-        (Space::Head, Some(scalp)) => scalp.place(inputs.pivot),
-        _ => frame.point_from_head(inputs.pivot),
+    let pivot = match of_head {
+        Some(scalp) => scalp.place(inputs.pivot),
+        None => frame.point_from_head(inputs.pivot),
     };
     let shift = frame.vector_from_head(inputs.translate) * frame.unit();
     // Lengths across a curve scale with the cube root of the volume.
@@ -181,7 +194,6 @@ fn rotation(degrees: Vec3) -> Mat3 {
 mod tests {
     use super::*;
     use crate::data::scalp::tests::ball;
-    use crate::define::Value;
     use crate::testing::{curves_of, fails, run};
 
     fn source() -> Curves {

@@ -12,7 +12,7 @@ use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
-use crate::define::{NodeError, choice, node, unless};
+use crate::define::{NodeError, Told, choice, node, unless};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
@@ -27,7 +27,8 @@ node! {
     /// Each hair keeps the part from its root to where it first leaves the shape. Wire it before Shape-list curl, so
     /// that no CVs are spent on hair that gets cut off; it cuts curled hair too.
     "trim", version 1, label "Trim",
-        words "trim cut shears scissors haircut barber shape outline silhouette afro round topiary crop clip ellipsoid", scales;
+        words "trim cut shears scissors haircut barber shape outline silhouette afro round topiary crop clip ellipsoid", scales,
+        refuses(without_mesh);
     inputs {
         /// Hair to cut.
         curves: Curves;
@@ -81,6 +82,16 @@ const HALVINGS: usize = 12;
 /// Samples per point of a hair at which it is tested against the shape.
 const SAMPLES: usize = 3;
 
+fn without_mesh(told: &Told) -> Result<(), NodeError> {
+    if told.is("shape", "mesh") && !told.arrives("mesh") {
+        return Err(NodeError::failed(
+            "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
+             another shape",
+        ));
+    }
+    Ok(())
+}
+
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let frame = inputs.scalp.frame();
     let (sin, cos) = sin_cos(inputs.tilt.to_radians());
@@ -89,17 +100,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let mut centre = inputs.scalp.place(inputs.centre);
     let size = inputs.size.abs().max(Vec3::splat(0.01 * cx.unit()));
     let outline = match (inputs.shape, &inputs.mesh) {
-        (Shape::Ellipsoid, _) => PuffOutline::Ellipsoid(size),
+        (Shape::Ellipsoid, _) | (Shape::Mesh, None) => PuffOutline::Ellipsoid(size),
         (Shape::Mesh, Some(mesh)) => {
             let (low, high) = mesh.surface().bounds();
             centre = 0.5 * (low + high);
             PuffOutline::Mesh(mesh.surface(), centre, axes)
-        }
-        (Shape::Mesh, None) => {
-            return Err(NodeError::failed(
-                "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
-                 another shape",
-            ));
         }
         (Shape::Drawn, _) => {
             let radii = |lines: &Option<Curves>, aside: Vec3, half: f32| match lines {

@@ -288,3 +288,33 @@ fn git_merges_grooms_by_the_driver_that_one_command_installs() {
     assert!(ran.code == 2 && ran.err.contains("not a git repository"), "{}", ran.err);
     assert_eq!(nowhere.names(), Vec::<String>::new());
 }
+
+#[test]
+fn an_upgrade_and_a_value_on_the_old_port_merge_to_a_groom_that_can_be_evaluated() {
+    let test = "an_upgrade_and_a_value_on_the_old_port_merge_to_a_groom_that_can_be_evaluated";
+    let folder = Folder::new("compare-was");
+    let mut texts = vec![];
+    for name in ["base.ron", "ours.ron", "theirs.ron"] {
+        let file = coif_tests::shared(test, &format!("data/reported/3/merge_was/{name}"));
+        let Some(file) = file else { return };
+        // A head that needs no file.
+        let text = std::fs::read_to_string(file).unwrap();
+        let mesh = "\"mesh\": \"../../../sintel/sintel.obj\",";
+        assert!(text.contains(mesh));
+        texts.push((name, text.replace(mesh, "")));
+    }
+    for (name, text) in texts {
+        std::fs::write(folder.path(name), text).unwrap();
+    }
+    let lost = ["locs.fuzz = 0.3: lost, the other has no such port any more"];
+    for (ours, theirs, out) in
+        [("ours.ron", "theirs.ron", "a.ron"), ("theirs.ron", "ours.ron", "b.ron")]
+    {
+        check(&folder, &["merge", "base.ron", ours, theirs, "--out", out], 0, "", &lost);
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
+    assert_eq!(read("a.ron"), read("b.ron"));
+    assert!(read("a.ron").contains("\"thickness\": 0.6,"), "{}", read("a.ron"));
+    let ran = run_in(&folder, &["check", "a.ron"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+}

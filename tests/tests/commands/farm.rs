@@ -72,7 +72,8 @@ fn node<'a>(report: &'a Json, name: &str) -> &'a Json {
 
 #[test]
 fn rows_of_a_sweep_are_what_each_is_alone_and_share_what_is_the_same() {
-    let table = "name,guides.count,hair.count,seed\nfew,40,200,\nmany,40,300,\nother,40,300,7\n";
+    let table =
+        "name,guides.count,hair.count,seed\nfew,40,200,\nmany,40.0,300.0,\nother,40,3e2,7.0\n";
     let (ran, report, files) = sweep("sweep-rows", table, &[]);
     assert_eq!(ran.code, 0, "{}", ran.err);
     assert_eq!(files, ["hair_few.usda", "hair_many.usda", "hair_other.usda"]);
@@ -117,10 +118,17 @@ fn a_table_that_is_wrong_is_refused_before_anything_runs() {
         ("guides.count\n", "no rows"),
         ("guides.cuont\n1\n", "cuont"),
         ("length\n1\n", "no parameters"),
-        ("name,guides.count\na,1\nA,2\n", "line 3"),
+        (
+            "hair.count,guides.count,hair.count\n1,2,3\n",
+            "columns 1 and 3 are both called \"hair.count\"",
+        ),
+        (
+            "name,guides.count\na,1\nA,2\n",
+            "line 3: \"A\" is the name of the row of line 2, \"a\", too",
+        ),
         ("name,guides.count\n../a,1\n", "no name"),
         ("guides.count,hair.count\n1\n", "1 field"),
-        ("guides.count,guides.count\n1,2\n", "two columns"),
+        ("guides.count,guides.count\n1,2\n", "columns 1 and 2 are both called \"guides.count\""),
         ("seed\n-1\n", "whole number"),
         (&long, "more than 100000 rows"),
     ] {
@@ -168,8 +176,7 @@ fn a_job_of_eight_tasks_loses_one_and_a_second_run_makes_that_one() {
     std::fs::create_dir(path("hair")).unwrap();
     let mesh = coif_tests::shared(test, "data/lps_head/LeePerrySmith.glb");
     let Some(mesh) = mesh else { return };
-    // The last task's head is missing: openjd stops at the first that fails.
-    for n in 1..8 {
+    for n in 1..=8 {
         std::fs::copy(&mesh, path(&format!("head{n}.glb"))).unwrap();
     }
     let heads: Vec<String> = (1..=8).map(|n| path(&format!("head{n}.glb"))).collect();
@@ -179,6 +186,8 @@ fn a_job_of_eight_tasks_loses_one_and_a_second_run_makes_that_one() {
     let ran = run(&words);
     assert_eq!(ran.code, 0, "{}", ran.err);
     assert!(ran.err.contains("8 tasks"), "{}", ran.err);
+    // The last task's head goes: openjd stops at the first that fails.
+    std::fs::remove_file(&heads[7]).unwrap();
     let program = text(Path::new(coif_tests::coif().get_program()));
     let program = format!("Coif={program}");
     let go = || openjd(test, &["run", &job, "--step", "grooms", "-p", &program]);
@@ -233,6 +242,9 @@ fn results_of_a_job_have_names_that_no_other_has() {
     let job = path("job.yaml");
     for name in ["a.ron", "a.b.ron", "A.B.ron"] {
         std::fs::write(path(name), GRAPH).unwrap();
+    }
+    for name in ["b.c.obj", "c.obj"] {
+        std::fs::write(path(name), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     }
     let graphs = ["a.ron", "a.b.ron", "A.B.ron"].map(path);
     let words = ["batch", &graphs[0], &graphs[1], &graphs[2], "-o", &job];

@@ -36,8 +36,8 @@ pub(crate) enum Series {
     Cameras,
 }
 
-/// The formats of the files to write; their names hold a number exactly when there is a turntable, and `%s` exactly when
-/// there are several cameras.
+/// The formats of the files to write; their names hold a number exactly when there is a turntable, and `%s`, which any may hold,
+/// when there are several cameras.
 pub(crate) fn formats(out: &[PathBuf], series: Series) -> Result<Vec<Format>, Stop> {
     if out.is_empty() {
         return Err(Stop::refused("--out FILE is needed: a picture is written as .png or .exr"));
@@ -48,19 +48,16 @@ pub(crate) fn formats(out: &[PathBuf], series: Series) -> Result<Vec<Format>, St
             let format = Format::of(path)
                 .ok_or_else(|| fault("pictures are written as .png or .exr"))?;
             match (place_of_number(path), place_of_name(path), series) {
-                (Some(_), None, Series::Turntable)
-                | (None, Some(_), Series::Cameras)
-                | (None, None, Series::One) => Ok(format),
                 (None, _, Series::Turntable) => Err(fault(
                     "a turntable is many files; put %04d where their number goes, as in turn.%04d.png",
                 )),
                 (_, None, Series::Cameras) => Err(fault(
                     "several cameras are several files; put %s where their name goes, as in groom-%s.png",
                 )),
-                (Some(_), ..) => {
+                (Some(_), _, Series::One | Series::Cameras) => {
                     Err(fault("is numbered, which is for --turntable N and that is not given"))
                 }
-                (_, Some(_), _) => Err(fault("has %s, which is for several --camera")),
+                _ => Ok(format),
             }
         })
         .collect()
@@ -136,7 +133,9 @@ mod tests {
         check("a-%s.png", Cameras, Ok(Format::Png));
         check("a.png", Cameras, Err("%s"));
         check("%s/a.png", Cameras, Err("%s"));
-        check("a-%s.png", One, Err("--camera"));
+        check("a-%s.png", One, Ok(Format::Png));
+        check("a-%s-%04d.png", Turntable, Ok(Format::Png));
+        check("a-%s-%04d.png", Cameras, Err("--turntable"));
         check("a%04d.png", Cameras, Err("%s"));
         check("a.jpg", One, Err(".png or .exr"));
         check("a", One, Err(".png or .exr"));
