@@ -21,9 +21,15 @@ pub mod rooms;
 pub mod scene;
 #[cfg(all(test, feature = "editor"))]
 mod testing;
+#[cfg(test)]
+#[path = "../../tests/src/waiting.rs"]
+mod waiting;
 #[cfg(feature = "editor")]
 pub mod widgets;
 mod words;
+#[cfg(test)]
+#[path = "../../tests/src/work.rs"]
+mod work;
 
 /// Runs what the words of the command line ask for.
 pub fn main() -> std::process::ExitCode {

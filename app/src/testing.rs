@@ -1,8 +1,8 @@
-//! What the tests of this room share: folders of their own, and waiting with an end.
+//! What tests of the editor share: folders of their own, and waiting.
 
+pub(crate) use crate::waiting::until;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Duration, Instant};
 
 /// A folder that goes when the test ends.
 pub(crate) struct Folder(PathBuf);
@@ -26,15 +26,5 @@ impl Folder {
 impl Drop for Folder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-/// Waits for something that another thread does.
-#[track_caller]
-pub(crate) fn until(what: &str, mut happened: impl FnMut() -> bool) {
-    let began = Instant::now();
-    while !happened() {
-        assert!(began.elapsed() < Duration::from_secs(20), "waited in vain until {what}");
-        std::thread::sleep(Duration::from_millis(2));
     }
 }

@@ -246,6 +246,8 @@ fn fresh_ids(
 mod tests {
     use super::*;
     use crate::document::testing::Random;
+    use crate::waiting::ends;
+    use crate::work::count;
     use expect_test::expect;
 
     fn ids(text: &str) -> BTreeSet<NodeId> {
@@ -414,13 +416,16 @@ mod tests {
                 assert!(!why.contains('\n') && !why.is_empty(), "{why}");
             }
         }
-        let begin = std::time::Instant::now();
         let many: String = (2..4000).map(|n| format!("\"rows_{n}\": (kind: \"head\"),")).collect();
         let many = format!("(coif_nodes: 1, nodes: {{{many}}})");
-        let (edit, _) = paste(&braids(), &many, None, None).unwrap();
         let mut document = braids();
-        edit.apply(&mut document).unwrap();
-        assert_eq!(paste(&document, &many, None, None).unwrap().1.len(), 3998);
-        assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
+        // The second time every name is taken.
+        for _ in 0..2 {
+            let (pasted, work) = ends("many", || count(|| paste(&document, &many, None, None)));
+            let (edit, nodes) = pasted.unwrap();
+            assert_eq!(nodes.len(), 3998);
+            assert!(work.asked < 3998 * 1, "{work:?}");
+            edit.apply(&mut document).unwrap();
+        }
     }
 }

@@ -13,3 +13,9 @@ pub mod template;
 pub mod text;
 pub mod trace;
 pub mod values;
+#[cfg(test)]
+#[path = "../../tests/src/waiting.rs"]
+mod waiting;
+#[cfg(test)]
+#[path = "../../tests/src/work.rs"]
+mod work;

@@ -37,6 +37,9 @@ pub mod sketch;
 mod strand;
 #[cfg(test)]
 mod testing;
+#[cfg(test)]
+#[path = "../../tests/src/waiting.rs"]
+mod waiting;
 
 use define::NodeDef;
 

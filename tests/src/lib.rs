@@ -4,6 +4,7 @@ pub mod judge;
 pub mod screen;
 #[cfg(unix)]
 pub mod tablet;
+pub mod waiting;
 
 use coif_graphs::document::{Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
@@ -18,7 +19,7 @@ use coif_nodes::formats::usd::read::{ReadCurves, read_stage};
 use coif_shaders::{Gpu, Precision};
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
 use std::sync::{Arc, OnceLock};
 
 /// The repository.
@@ -246,6 +247,28 @@ pub fn run_with<S: AsRef<std::ffi::OsStr>>(
         out: String::from_utf8_lossy(&stdout).into_owned(),
         err: String::from_utf8_lossy(&stderr).into_owned(),
     }
+}
+
+/// Waits until a program that was started would hear whoever asks it to end, which Linux tells: it has a handler for Ctrl-C, or is
+/// at its end. Elsewhere a moment must do.
+///
+/// # Panics
+/// When it never would.
+pub fn until_it_hears(program: &mut Child) {
+    /// Bit of SIGINT in the mask of signals that are caught.
+    const INTERRUPT: u64 = 1 << 1;
+    let status = format!("/proc/{}/status", program.id());
+    let hears = || {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+        caught.is_some_and(|caught| caught & INTERRUPT != 0)
+    };
+    if !Path::new(&status).exists() {
+        std::thread::sleep(std::time::Duration::from_millis(700));
+        return;
+    }
+    waiting::until("it hears Ctrl-C", || hears() || matches!(program.try_wait(), Ok(Some(_))));
 }
 
 /// The curves of a written USD file, in which nothing may be amiss.

@@ -1,11 +1,12 @@
 //! A screen that nobody sits at: an X server in memory, hands that press its keys and move its pointer, and what it shows.
 //!
-//! Everything has a time limit. A server, and a program started on it, end with the value that holds them.
+//! Hands rest between what they do, as people do; nothing is judged by that. A server, and a program started on it, end with the value that holds them.
 
+use crate::waiting::{ends, until};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// An X server (`Xvfb`) with a display of its own.
 pub struct Screen {
@@ -63,6 +64,11 @@ impl Screen {
         Self { server, display }
     }
 
+    /// Whether its server runs.
+    pub fn is_up(&mut self) -> bool {
+        matches!(self.server.try_wait(), Ok(None))
+    }
+
     /// The display's name.
     pub fn display(&self) -> &str {
         &self.display
@@ -85,23 +91,22 @@ impl Screen {
     /// Waits for a window with this in its title and gives it the keyboard.
     ///
     /// # Panics
-    /// When none comes within half a minute.
+    /// When none comes.
     pub fn focus(&self, title: &str) -> String {
-        let began = Instant::now();
-        loop {
+        let mut window = None;
+        until(&format!("a window {title:?} opens"), || {
             let found = Command::new("xdotool")
                 .args(["search", "--onlyvisible", "--name", title])
                 .env("DISPLAY", &self.display)
                 .output()
                 .expect("xdotool starts");
             let text = String::from_utf8_lossy(&found.stdout).trim().to_owned();
-            if let Some(window) = text.lines().last() {
-                self.hand(["windowfocus", "--sync", window]);
-                return window.to_owned();
-            }
-            assert!(began.elapsed() < Duration::from_secs(30), "a window {title:?} opens");
-            std::thread::sleep(Duration::from_millis(100));
-        }
+            window = text.lines().last().map(str::to_owned);
+            window.is_some()
+        });
+        let window = window.expect("a window");
+        self.hand(["windowfocus", "--sync", &window]);
+        window
     }
 
     /// Presses keys, as in "ctrl+s".
@@ -203,16 +208,9 @@ impl Shot {
 pub struct Running(pub Child);
 
 impl Running {
-    /// Waits for its end; gives its exit code, none when it did not end in time.
-    pub fn end(&mut self, within: Duration) -> Option<i32> {
-        let began = Instant::now();
-        while began.elapsed() < within {
-            if let Ok(Some(status)) = self.0.try_wait() {
-                return status.code();
-            }
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        None
+    /// Waits for its end; gives its exit code, none where something killed it.
+    pub fn end(&mut self) -> Option<i32> {
+        ends("a program that was asked to end", || self.0.wait()).ok()?.code()
     }
 }
 

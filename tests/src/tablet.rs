@@ -1,17 +1,18 @@
 //! A pen with pressure at a real X server: Xorg on a screen in memory, and a client of its inputtest driver.
 //!
 //! The protocol is version 1.1 of xf86-input-inputtest: little-endian messages over a unix socket. The driver serves the
-//! first client of a socket only, so one [`Tablet`] is one session. Everything has a time limit.
+//! first client of a socket only, so one [`Tablet`] is one session. Hands rest between what they do, as people do.
 
 use crate::Folder;
 use crate::screen::{Screen, has};
+use crate::waiting::{LIMIT, until};
 use std::io::{Read, Write};
 use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The server itself: what lies in `/usr/bin` is a wrapper that wants a console.
 const XORG: &str = "/usr/lib/xorg/Xorg";
@@ -78,24 +79,22 @@ impl Tablet {
             .stderr(Stdio::null())
             .spawn()
             .expect("Xorg starts");
-        let screen = Screen::of(server, display);
-        let began = Instant::now();
-        let connect = |name: &str| loop {
-            let up = Path::new(&format!("/tmp/.X11-unix/X{number}")).exists();
-            match UnixStream::connect(folder.path(name)) {
-                Ok(pen) if up => break pen,
-                _ => assert!(
-                    began.elapsed() < Duration::from_secs(20),
-                    "{}",
-                    std::fs::read_to_string(folder.path("log")).unwrap_or_default()
-                ),
-            }
-            std::thread::sleep(Duration::from_millis(100));
+        let mut screen = Screen::of(server, display);
+        let mut connect = |name: &str| {
+            let mut pen = None;
+            until("the server is up", || {
+                let log = || std::fs::read_to_string(folder.path("log")).unwrap_or_default();
+                assert!(screen.is_up(), "{}", log());
+                let up = Path::new(&format!("/tmp/.X11-unix/X{number}")).exists();
+                pen = UnixStream::connect(folder.path(name)).ok().filter(|_| up);
+                pen.is_some()
+            });
+            pen.expect("it is connected")
         };
-        let ends = ["pen", "eraser"].map(connect);
+        let ends = ["pen", "eraser"].map(&mut connect);
         for end in &ends {
             for limit in [UnixStream::set_read_timeout, UnixStream::set_write_timeout] {
-                limit(end, Some(Duration::from_secs(10))).expect("a time limit");
+                limit(end, Some(LIMIT)).expect("a limit");
             }
         }
         let mut tablet = Self { screen, ends, end: 0, _folder: folder, _one: one };

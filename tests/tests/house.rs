@@ -371,3 +371,50 @@ fn jobs_are_asked_for_by_types_and_not_by_words() {
         assert!(!text.contains(".parse_from("), "app/src/{} makes words up", file.display());
     }
 }
+
+/// Files whose tests know a clock: where waiting is, and what prints how long a call takes and judges nothing.
+const CLOCKS: &[&str] = &["tests/src/waiting.rs", "shaders/src/hair/tests.rs"];
+/// Files whose tests rest: where waiting is, hands, which do so as people do, and what chooses moments to interrupt something at.
+const RESTS: &[&str] = &[
+    "tests/src/waiting.rs",
+    "tests/src/lib.rs",
+    "tests/src/screen.rs",
+    "tests/src/tablet.rs",
+    "tests/tests/window/hands.rs",
+    "tests/tests/window/pen.rs",
+    "tests/tests/commands/command_line.rs",
+    "tests/tests/commands/render.rs",
+    "app/src/editor/documents/tests.rs",
+];
+
+/// What of a source is tests: how often it names something, more than its code does.
+fn in_tests(file: &std::path::Path, text: &str, code: Option<&str>, name: &str) -> usize {
+    let is_test = !file.iter().any(|part| part == "src") || file.starts_with("tests");
+    let all = imports::without_words(text).matches(name).count();
+    all - if is_test { 0 } else { code.map_or(0, |code| code.matches(name).count()) }
+}
+
+#[test]
+fn tests_wait_for_what_happens_and_count_work_instead_of_seconds() {
+    for package in ["app", "graphs", "nodes", "shaders", "tests"] {
+        let root = repository();
+        let below = |(path, text): (std::path::PathBuf, String)| {
+            (path.strip_prefix(root).unwrap().to_owned(), text)
+        };
+        let all: Vec<_> = sources(&[package]).into_iter().map(below).collect();
+        let code: BTreeMap<_, _> = imports::code(&all).into_iter().collect();
+        for (file, text) in &all {
+            if file.iter().any(|part| part == "benches") {
+                continue;
+            }
+            let code = code.get(file).map(String::as_str);
+            let is_of = |files: &[&str]| files.iter().any(|one| file == std::path::Path::new(one));
+            for name in ["Instant", "elapsed(", "from_secs", "ThreadTime", "recv_timeout"] {
+                let named = in_tests(file, text, code, name);
+                assert!(named == 0 || is_of(CLOCKS), "{}: {name} in tests", file.display());
+            }
+            let rests = in_tests(file, text, code, "sleep(");
+            assert!(rests == 0 || is_of(RESTS), "{}: a test sleeps", file.display());
+        }
+    }
+}

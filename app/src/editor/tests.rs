@@ -5,7 +5,7 @@ use crate::core::event::Event;
 use crate::core::room::Room;
 use crate::core::state::{OpenFile, Select};
 use crate::places::Places;
-use crate::testing::Folder;
+use crate::testing::{Folder, until};
 use coif_graphs::document::{Document, NodeId};
 use coif_graphs::{file, grooms, text};
 use egui::{Event as Input, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
@@ -610,15 +610,10 @@ fn failures_are_seen_with_reason_and_remedy_and_kept_and_old_news_leaves() {
     // What was done leaves the status line.
     hands.editor().apply(Event::Show(Room::Canvas));
     hands.editor().apply(Event::Documents(DocumentEvent::SaveTo(folder.path("x.ron"))));
-    // (The thread that saves takes its time.)
-    for _ in 0..100 {
-        hands.steps(2);
-        if hands.0.query_all_by_label_contains("saved ").next().is_some() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-    assert!(hands.0.query_all_by_label_contains("saved ").next().is_some());
+    until("it is saved", || {
+        hands.steps(1);
+        hands.0.query_all_by_label_contains("saved ").next().is_some()
+    });
     hands.steps(60);
     assert!(hands.0.query_all_by_label_contains("saved ").next().is_none());
 }
@@ -767,14 +762,10 @@ fn a_bar_of_any_width_keeps_its_words_whole_and_leaves_room_for_the_picture() {
 fn numbers_beside_names_are_those_of_this_groom() {
     let mut hands = Hands::on(rows(), SIZE, 1.0);
     let rest = |hands: &mut Hands| {
-        for _ in 0..3000 {
+        until("it ends", || {
             hands.steps(1);
-            if hands.0.state().is_idle() && !hands.0.state().state.stale() {
-                return;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(2));
-        }
-        panic!("it never ends");
+            hands.0.state().is_idle() && !hands.0.state().state.stale()
+        });
     };
     rest(&mut hands);
     let id = |text: &str| NodeId::new(text).unwrap();

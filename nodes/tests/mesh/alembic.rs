@@ -1,6 +1,6 @@
 //! What reading curves of damaged Alembic files takes: never more than the file is worth.
 
-use super::measure::held;
+use crate::work::count;
 use coif_nodes::data::attributes::{Attribute, COLOUR, Domain, ID, Item, ROOT_UV};
 use coif_nodes::data::curves::{Curves, TuftBuilder};
 use coif_nodes::formats::abc::read_curves;
@@ -36,9 +36,9 @@ fn file(n: usize, more: usize) -> Vec<u8> {
 /// Whether curves are read from bytes, which may take 128 KiB and five times the file at most.
 #[track_caller]
 fn check(bytes: &[u8]) -> bool {
-    let (read, most) = held(|| read_curves(bytes).is_ok());
+    let (read, work) = count(|| read_curves(bytes).is_ok());
     let allowed = (128 << 10) + 5 * bytes.len() as u64;
-    assert!(most <= allowed, "{most} bytes, where {allowed} are allowed");
+    assert!(work.held <= allowed, "{} bytes, where {allowed} are allowed", work.held);
     read
 }
 

@@ -14,8 +14,11 @@ fn check(extension: &str, bytes: &[u8], expected: Expect) {
         Ok(mesh) => format!("{} triangles", mesh.triangles.len()),
         Err(e) => e.to_string(),
     };
-    let per_byte = read.most_bytes as f64 / read.file_bytes as f64;
-    println!("{:?}, {per_byte:.1} bytes for each of {}: {told}", read.time, read.file_bytes);
+    let per_byte = read.work.held as f64 / read.file_bytes as f64;
+    println!(
+        "asked {} times, {per_byte:.1} bytes for each of {}: {told}",
+        read.work.asked, read.file_bytes
+    );
     expected.assert_eq(&told);
 }
 
@@ -87,7 +90,7 @@ fn gltf_files_of_empty_things() {
         let start = format!(r#"{{"asset":{{"version":"2.0"}},{ZEROS},"nodes":["#);
         let bytes = many(&start, item, "{}]}");
         let read = read("empty things", "gltf", &bytes, &|_| None);
-        println!("{item} {:?} {}", read.time, read.most_bytes as f64 / read.file_bytes as f64);
+        println!("{item} {} {}", read.work.asked, read.work.held as f64 / read.file_bytes as f64);
         assert_eq!(read.result.is_ok(), item == "{},", "{:?}", read.result.err());
     }
     check(

@@ -44,11 +44,11 @@ fn real_meshes_come_whole() {
         let read = read_file(&data.join(file));
         let told = read.result.as_ref().map_or_else(ToString::to_string, told);
         println!(
-            "{file}: {:.1} ms, {} bytes held for {} of the file: {:.1}\n    {told}",
-            read.time.as_secs_f64() * 1e3,
-            read.most_bytes,
+            "{file}: asked {} times, {} bytes held for {} of the file: {:.1}\n    {told}",
+            read.work.asked,
+            read.work.held,
             read.file_bytes,
-            read.most_bytes as f64 / read.file_bytes as f64,
+            read.work.held as f64 / read.file_bytes as f64,
         );
         if told != *expected {
             wrong.push(format!("{file}:\n    {told}\nwhere it was\n    {expected}"));

@@ -1,11 +1,11 @@
 //! `coif render` as a whole program: what it refuses, what it writes, and that nothing is touched when it cannot.
 
-use coif_tests::{Folder, Ran, adapter, program, run_with};
+use coif_tests::waiting::ends;
+use coif_tests::{Folder, Ran, adapter, program, run_with, until_it_hears};
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
 
 /// A small picture of little hair, unless `more` says otherwise.
 fn small<'a>(more: &[&'a str]) -> Vec<&'a str> {
@@ -381,9 +381,11 @@ fn ctrl_c_ends_drawing_and_leaves_what_was_there() {
         .arg(&picture)
         .spawn()
         .unwrap();
-    std::thread::sleep(Duration::from_millis(3000));
+    until_it_hears(&mut child);
+    // Most machines draw by then; whatever it is at, it ends.
+    std::thread::sleep(std::time::Duration::from_millis(3000));
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(killed.unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(ends("it", || child.wait()).unwrap().code(), Some(130));
     check_untouched(&folder);
 }

@@ -1,14 +1,14 @@
 //! Writing, by the real program: all or nothing, only onto files, and never over what is read.
 #![cfg(unix)]
 
-use coif_tests::{Folder, coif};
+use coif_tests::waiting::{ends, until};
+use coif_tests::{Folder, coif, until_it_hears};
 use std::collections::BTreeMap;
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
 
 /// Two guides on a mesh of its own: the least that is a groom.
 const GRAPH: &str = r#"(
@@ -296,15 +296,6 @@ fn start(folder: &Folder, words: &str) -> Child {
     command.spawn().unwrap()
 }
 
-#[track_caller]
-fn until(what: &str, mut is: impl FnMut() -> bool) {
-    let began = Instant::now();
-    while !is() {
-        assert!(began.elapsed() < Duration::from_secs(60), "{what}");
-        std::thread::sleep(Duration::from_millis(1));
-    }
-}
-
 #[test]
 fn whoever_asks_it_to_end_finds_what_was_there() {
     for signal in ["INT", "TERM", "HUP"] {
@@ -320,7 +311,7 @@ fn whoever_asks_it_to_end_finds_what_was_there() {
         assert!(
             Command::new("kill").args([&format!("-{signal}"), &id]).status().unwrap().success()
         );
-        assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
+        assert_eq!(ends("it", || child.wait()).unwrap().code(), Some(130), "{signal}");
         assert_eq!(seen(&folder), before, "{signal}");
     }
     // nohup asks not to end.
@@ -358,14 +349,10 @@ fn whoever_asks_it_to_end_is_heard_in_the_midst_of_what_cannot_look() {
     let check = |words: &str, report: Option<&str>| {
         let before = seen(&folder);
         let mut child = start(&folder, words);
-        std::thread::sleep(Duration::from_millis(150));
-        assert!(child.try_wait().unwrap().is_none(), "{words} takes seconds");
+        until_it_hears(&mut child);
         let id = child.id().to_string();
-        let began = Instant::now();
         assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-        assert_eq!(child.wait().unwrap().code(), Some(130), "{words}");
-        // 0.2 s, and as much again for machines that do other things.
-        assert!(began.elapsed() < Duration::from_millis(400), "{words}: {:?}", began.elapsed());
+        assert_eq!(ends(words, || child.wait()).unwrap().code(), Some(130), "{words}");
         let mut expected = before;
         if let Some(report) = report {
             let text = fs::read_to_string(folder.path(report)).unwrap();

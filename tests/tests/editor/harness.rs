@@ -5,8 +5,8 @@ use coif::editor::Editor;
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check};
 use coif_graphs::{file, grooms};
+use coif_tests::waiting::until;
 use egui_kittest::Harness;
-use std::time::{Duration, Instant};
 
 /// Of the window, points.
 pub(crate) const SIZE: egui::Vec2 = egui::vec2(1440.0, 900.0);
@@ -33,15 +33,10 @@ pub(crate) fn on(document: Document) -> Ui {
 
 /// Frames until nothing is evaluated and nothing waits to be.
 pub(crate) fn settle(ui: &mut Ui) {
-    let began = Instant::now();
-    loop {
+    until("an evaluation ends", || {
         ui.step();
-        if ui.state().is_idle() {
-            break;
-        }
-        assert!(began.elapsed() < Duration::from_secs(120), "an evaluation ends");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+        ui.state().is_idle()
+    });
     ui.step();
 }
 

@@ -11,3 +11,5 @@ mod stories;
 mod story;
 mod tasks;
 mod tour;
+#[path = "../../src/work.rs"]
+mod work;

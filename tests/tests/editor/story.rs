@@ -5,11 +5,11 @@ use coif::core::room::Room;
 use coif::editor::Editor;
 use coif::places::Places;
 use coif::rooms::pen::sample::{Device, PenSample, Phase, Tool};
+use coif_tests::waiting::until;
 use coif_tests::{Folder, adapter};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use std::time::{Duration, Instant};
 
 /// What a person holds.
 #[derive(Clone, Copy, PartialEq)]
@@ -72,17 +72,10 @@ impl Story {
     /// Presses what has a name. One action.
     pub(crate) fn click(&mut self, name: &str) {
         // Lists and folders are read on threads of their own.
-        let began = Instant::now();
-        while self.ui.query_all_by_label(name).next().is_none() {
-            let labels = || -> Vec<String> {
-                let all = self.ui.query_all(egui_kittest::kittest::By::new());
-                all.filter_map(|node| egui_kittest::kittest::NodeT::accesskit_node(&node).label())
-                    .collect()
-            };
-            assert!(began.elapsed() < Duration::from_secs(20), "{name} appears: {:?}", labels());
-            std::thread::sleep(Duration::from_millis(10));
+        until(&format!("{name} appears"), || {
             self.ui.step();
-        }
+            self.ui.query_all_by_label(name).next().is_some()
+        });
         let at = self.ui.query_all_by_label(name).next().map(|node| node.rect().center());
         self.press(at.expect("it is there"));
         self.did(name.to_owned());
@@ -186,11 +179,7 @@ impl Story {
     #[track_caller]
     pub(crate) fn sees_hair(&mut self, least: usize) {
         settle(&mut self.ui);
-        // A view that flies to another place arrives.
-        let began = Instant::now();
-        while !self.ui.state().viewport.is_idle() && began.elapsed() < Duration::from_secs(60) {
-            self.ui.step();
-        }
+        self.sees_the_picture();
         let state = &self.ui.state().state;
         let failures = state.run.reports.failures();
         assert!(failures.is_empty(), "{failures:?}");
@@ -199,14 +188,18 @@ impl Story {
         assert!(shown.is_final() && count >= least, "{count}: {:?}", state.notes.all());
     }
 
+    /// Waits until a view that flies to another place has arrived, and its picture is at rest.
+    fn sees_the_picture(&mut self) {
+        until("the viewport rests", || {
+            self.ui.step();
+            self.ui.state().viewport.is_idle()
+        });
+    }
+
     /// A picture of the window, where pictures were asked for.
     pub(crate) fn picture(&mut self, name: &str) {
         let Some(folder) = std::env::var_os("COIF_SHOTS").filter(|_| self.pictures) else { return };
-        let began = Instant::now();
-        while !self.ui.state().viewport.is_idle() && began.elapsed() < Duration::from_secs(60) {
-            self.ui.step();
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        self.sees_the_picture();
         let hand = if self.hand == Hand::Pen { "pen" } else { "mouse" };
         let path = std::path::Path::new(&folder).join(format!("{}-{hand}-{name}.png", self.name));
         self.ui.render().expect("a picture").save(path).expect("it is written");

@@ -54,7 +54,7 @@ fn is_word(c: char) -> bool {
 }
 
 /// The same text with blanks for comments, texts and letters; lines stay.
-fn without_words(text: &str) -> String {
+pub(crate) fn without_words(text: &str) -> String {
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);
     while let Some(c) = rest.chars().next() {
         let before = out.chars().next_back();

@@ -6,11 +6,12 @@ use coif_graphs::document::{Document, Node, NodeId, Point, Setting};
 use coif_graphs::file;
 use coif_nodes::define::Value;
 use coif_tests::screen::{Running, Screen};
+use coif_tests::waiting::until;
 use coif_tests::{Folder, adapter, eval, program};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A head alone.
 fn head() -> Document {
@@ -39,18 +40,11 @@ fn open(path: &Path, folder: &Folder, screen: &Screen) -> Running {
 }
 
 /// The screen, once the picture of the viewport has so many colours.
-fn wait_for_picture(screen: &Screen, shots: &Path, name: &str, colours: usize) -> usize {
-    let began = Instant::now();
-    loop {
+fn wait_for_picture(screen: &Screen, shots: &Path, name: &str, colours: usize) {
+    until(&format!("{name}: the viewport shows {colours} colours"), || {
         let shot = screen.shot(&shots.join(format!("window-{name}.png")));
-        let seen = shot.colours(300..800, 120..480);
-        if seen >= colours {
-            return seen;
-        }
-        let late = began.elapsed() > Duration::from_secs(90);
-        assert!(!late, "{name}: the viewport shows {seen} colours, not {colours}");
-        std::thread::sleep(Duration::from_millis(500));
-    }
+        shot.colours(300..800, 120..480) >= colours
+    });
 }
 
 fn strokes(path: &Path) -> usize {
@@ -86,16 +80,15 @@ fn a_row_is_drawn_braided_saved_and_there_again() {
     screen.key("Return");
     std::thread::sleep(Duration::from_millis(500));
     screen.drag(1, &[(500, 240), (560, 215), (615, 240)]);
-    std::thread::sleep(Duration::from_secs(2));
+    std::thread::sleep(Duration::from_millis(2000));
     wait_for_picture(&screen, &shots, "2-row", 400);
-    screen.key("ctrl+s");
-    let began = Instant::now();
-    while strokes(&path) == 0 && began.elapsed() < Duration::from_secs(15) {
-        std::thread::sleep(Duration::from_millis(200));
-    }
+    until("the row is saved", || {
+        screen.key("ctrl+s");
+        strokes(&path) > 0
+    });
     assert_eq!(strokes(&path), 1, "one row was drawn and saved");
     screen.key("ctrl+q");
-    assert_eq!(editor.end(Duration::from_secs(15)), Some(0), "nothing was unsaved, so it closes");
+    assert_eq!(editor.end(), Some(0), "nothing was unsaved, so it closes");
     let saved = std::fs::read(&path).expect("it is there");
 
     // What was saved is what the command line evaluates, and what opens again.
@@ -105,6 +98,6 @@ fn a_row_is_drawn_braided_saved_and_there_again() {
     let mut again = open(&path, &folder, &screen);
     wait_for_picture(&screen, &shots, "3-again", 400);
     screen.key("ctrl+q");
-    assert_eq!(again.end(Duration::from_secs(15)), Some(0));
+    assert_eq!(again.end(), Some(0));
     assert_eq!(std::fs::read(&path).expect("it is there"), saved, "looking at it changes nothing");
 }

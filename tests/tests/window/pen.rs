@@ -8,12 +8,16 @@ use coif_nodes::data::gestures::{Gestures, Layer, Tool};
 use coif_nodes::data::strokes::Strokes;
 use coif_nodes::define::Value;
 use coif_tests::tablet::Tablet;
+use coif_tests::waiting::until;
 use coif_tests::{Folder, adapter, program};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+/// Looks at the screen after a tap, before another tap.
+const LOOKS: usize = 30;
 
 /// A head, and a stroke input on it that is displayed.
 fn document() -> Document {
@@ -40,18 +44,21 @@ fn strokes(path: &Path) -> Arc<Strokes> {
     }
 }
 
-/// Waits until nothing on the screen has changed for a second.
+/// Between two looks at a screen that is to rest.
+const A_WHILE: Duration = Duration::from_millis(1000);
+
+/// Waits until nothing on the screen changes any more.
 fn settled(tablet: &Tablet, folder: &Folder) {
-    let began = Instant::now();
     let mut before = vec![];
-    while began.elapsed() < Duration::from_secs(60) {
+    until("nothing moves", || {
         let shot = tablet.screen.shot(&folder.path("settled.png")).rgb;
         if shot == before {
-            return;
+            return true;
         }
         before = shot;
-        std::thread::sleep(Duration::from_secs(1));
-    }
+        std::thread::sleep(A_WHILE);
+        false
+    });
 }
 
 /// Opens the window on a file, and waits for its picture.
@@ -89,17 +96,13 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
     let under_it = 3 * 1440 * 30..3 * 1440 * 130;
     let opens = |tablet: &mut Tablet| {
         tablet.tap(20.0, 14.0);
-        let began = Instant::now();
-        while began.elapsed() < Duration::from_secs(6) {
+        (0..LOOKS).any(|_| {
             let open = tablet.screen.shot(&folder.path("open.png"));
             let pairs = closed.rgb[under_it.clone()].iter().zip(&open.rgb[under_it.clone()]);
-            if pairs.filter(|(a, b)| a.abs_diff(**b) > 16).count() > 3000 {
-                return true;
-            }
-        }
-        false
+            pairs.filter(|(a, b)| a.abs_diff(**b) > 16).count() > 3000
+        })
     };
-    assert!((0..3).any(|_| opens(&mut tablet)), "a menu opens under the pen");
+    until("a menu opens under the pen", || opens(&mut tablet));
     tablet.tap(1000.0, 888.0);
     tablet.screen.key("p");
     // Across the viewport, over the crown: light, middle, full.
@@ -111,11 +114,10 @@ fn a_pen_at_an_x_server_draws_with_three_pressures() {
     if let Some(shot) = std::env::var_os("COIF_SHOTS") {
         tablet.screen.shot(&Path::new(&shot).join("pen.png"));
     }
-    tablet.screen.key("ctrl+s");
-    let began = Instant::now();
-    while strokes(&path).0.is_empty() && began.elapsed() < Duration::from_secs(10) {
-        std::thread::sleep(Duration::from_millis(100));
-    }
+    until("the stroke is saved", || {
+        tablet.screen.key("ctrl+s");
+        !strokes(&path).0.is_empty()
+    });
     let _ = editor.kill();
     let _ = editor.wait();
     let strokes = strokes(&path);
@@ -191,14 +193,14 @@ fn a_pen_at_an_x_server_sketches_hair_with_both_its_ends() {
     tablet.draw(&line((x, y), (x + 45.0, y + 150.0), heavy));
     settled(&tablet, &folder);
     tablet.draw(&line((x + 10.0, y + 50.0), (x + 60.0, y + 60.0), middle));
-    std::thread::sleep(Duration::from_secs(1));
+    std::thread::sleep(A_WHILE);
     for _ in 0..2 {
         tablet.draw(&tap);
     }
-    std::thread::sleep(Duration::from_secs(1));
+    std::thread::sleep(A_WHILE);
     tablet.draw(&(0..=140).map(saw).collect::<Vec<_>>());
     if let Some(shot) = std::env::var_os("COIF_SHOTS") {
-        std::thread::sleep(Duration::from_secs(1));
+        std::thread::sleep(A_WHILE);
         tablet.screen.shot(&Path::new(&shot).join("frizz.png"));
     }
     tablet.draw(&turns((x - 12.0, y + 12.0), 16.0, 3, 0.15));
@@ -209,11 +211,10 @@ fn a_pen_at_an_x_server_sketches_hair_with_both_its_ends() {
     if let Some(shot) = std::env::var_os("COIF_SHOTS") {
         tablet.screen.shot(&Path::new(&shot).join("sketch.png"));
     }
-    tablet.screen.key("ctrl+s");
-    let began = Instant::now();
-    while gestures(&path).0.is_empty() && began.elapsed() < Duration::from_secs(10) {
-        std::thread::sleep(Duration::from_millis(100));
-    }
+    until("all seven are saved", || {
+        tablet.screen.key("ctrl+s");
+        gestures(&path).0.len() >= 7
+    });
     let _ = editor.kill();
     let _ = editor.wait();
     let gestures = gestures(&path);

@@ -52,6 +52,7 @@ struct Shared {
     inbox: Mutex<Inbox>,
     wake: Condvar,
     written: AtomicU64,
+    synced: AtomicU64,
     fault: Mutex<Option<String>>,
 }
 
@@ -157,6 +158,12 @@ impl Journal {
         self.shared.written.load(Ordering::Acquire)
     }
 
+    /// The number of the newest wish whose text is synced.
+    #[cfg(test)]
+    fn synced(&self) -> u64 {
+        self.shared.synced.load(Ordering::Acquire)
+    }
+
     /// Whether everything wished for is done.
     pub(crate) fn is_done(&self) -> bool {
         self.written() == locked(&self.shared.inbox).number
@@ -243,6 +250,7 @@ fn write_on(shared: &Shared, files: &Files) {
         }
         if !is_synced && locked(&shared.inbox).wish.is_none() {
             is_synced = File::open(files.text()).and_then(|file| file.sync_all()).is_ok();
+            shared.synced.store(if is_synced { number } else { 0 }, Ordering::Release);
         }
     }
 }
@@ -393,8 +401,7 @@ mod tests {
         let files = journal.files.clone();
         for n in 1..=3 {
             let number = journal.keep(about("x"), numbered(n));
-            until("it is written", || journal.written() == number);
-            std::thread::sleep(std::time::Duration::from_millis(40));
+            until("it is synced", || journal.synced() == number);
         }
         drop(journal);
         std::fs::write(files.text(), "").unwrap();

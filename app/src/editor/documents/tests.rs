@@ -334,7 +334,9 @@ fn a_file_that_others_change_is_told_and_reloaded_kept_or_compared() {
     let path = folder.path("a.ron");
     let (mut ui, _) = on_empty_head();
     does(&mut ui, DocumentEvent::SaveTo(path.clone()));
-    std::thread::sleep(std::time::Duration::from_millis(1200));
+    let looks = |ui: &Ui| ui.state().documents.watch.looks();
+    let before = looks(&ui);
+    until("it was looked at", || looks(&ui) >= before + 3);
     ui.step();
     assert!(!ui.state().documents.is_changed_on_disk(), "what we saved is no news");
     let mut theirs = ui.state().state.document.clone();
@@ -769,9 +771,8 @@ fn child_that_is_killed() {
         ui.step();
         println!("did {n}");
         if n % 3 == 0 {
-            let began = std::time::Instant::now();
             until("it is safe", || ui.state().documents.is_safe());
-            println!("safe {n} {}", began.elapsed().as_micros());
+            println!("safe {n}");
         }
     }
 }
@@ -783,7 +784,7 @@ fn a_process_killed_at_any_moment_loses_at_most_what_was_not_yet_safe() {
     use std::process::{Command, Stdio};
     let folder = Folder::new("life-kill");
     let recovery = Places::under(folder.root()).recovery();
-    let (mut waited, mut lost) = (vec![], vec![]);
+    let mut lost = vec![];
     for round in 0..20u64 {
         let mut child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "editor::documents::tests::child_that_is_killed"])
@@ -807,8 +808,6 @@ fn a_process_killed_at_any_moment_loses_at_most_what_was_not_yet_safe() {
             let lines = text.lines().filter_map(|line| line.strip_prefix(word));
             lines.filter_map(|rest| rest.split(' ').next()?.parse::<u64>().ok()).max().unwrap_or(0)
         };
-        let times = text.lines().filter_map(|line| line.strip_prefix("safe ")?.split_once(' '));
-        waited.extend(times.filter_map(|(_, micros)| micros.parse::<u64>().ok()));
         let (did, safe) = (last("did "), last("safe "));
         let left = leftovers(&recovery);
         let found = left.first().map_or(0, |left| left.document.seed);
@@ -822,13 +821,8 @@ fn a_process_killed_at_any_moment_loses_at_most_what_was_not_yet_safe() {
         }
         lost.push(did.saturating_sub(found));
     }
-    waited.sort_unstable();
     lost.sort_unstable();
-    println!(
-        "safe after a step: median {} us, most {} us; steps lost: {lost:?}",
-        waited.get(waited.len() / 2).copied().unwrap_or(0),
-        waited.last().copied().unwrap_or(0)
-    );
+    println!("steps lost: {lost:?}");
 }
 
 #[test]

@@ -13,8 +13,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime};
 
-/// How often files are looked at.
-const EVERY: Duration = Duration::from_secs(1);
+/// Between two looks at files. Tests count looks, and wait for many.
+const EVERY: Duration = Duration::from_millis(if cfg!(test) { 20 } else { 1000 });
 
 /// What became of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +41,8 @@ struct Shared {
 struct State {
     files: BTreeMap<PathBuf, Known>,
     changes: Vec<Change>,
+    /// Times that all of them were looked at.
+    looks: u64,
     end: bool,
 }
 
@@ -106,6 +108,12 @@ impl Watch {
         state.changes.retain(|change| change_of(change) != path);
     }
 
+    /// How often all files were looked at, from begin to end.
+    #[cfg(test)]
+    pub(crate) fn looks(&self) -> u64 {
+        locked(&self.shared).looks
+    }
+
     /// What happened since this was asked last.
     pub(crate) fn changes(&self) -> Vec<Change> {
         std::mem::take(&mut locked(&self.shared).changes)
@@ -153,6 +161,7 @@ fn look_on(shared: &Shared, every: Duration, wake: &dyn Fn()) {
                 told = true;
             }
         }
+        locked(shared).looks += 1;
         if told {
             wake();
         }
@@ -219,7 +228,7 @@ mod tests {
         let wake = move || {
             count.fetch_add(1, Ordering::Relaxed);
         };
-        (Watch::every(Duration::from_millis(5), wake), woken)
+        (Watch::every(Duration::from_millis(1), wake), woken)
     }
     /// As everybody should: whole or not at all.
     fn write(path: &Path, text: &str) {
@@ -236,7 +245,9 @@ mod tests {
         all
     }
     fn quiet(watch: &Watch) {
-        std::thread::sleep(Duration::from_millis(60));
+        // One look may have begun before the file changed, and what is written in place is told by the second that sees it.
+        let before = watch.looks();
+        until("it was looked at", || watch.looks() >= before + 3);
         assert_eq!(watch.changes(), []);
     }
 

@@ -378,13 +378,10 @@ fn panels_of_heads_toasts_and_colours_fit_every_window() {
         hands.editor().apply(Event::Documents(read));
         hands.steps(4);
         hands.check_what_is_open(&name("own head, unread"), &mut wrong);
-        for _ in 0..3000 {
-            if hands.0.state().is_idle() {
-                break;
-            }
+        until("it is read", || {
             hands.steps(1);
-            std::thread::sleep(std::time::Duration::from_millis(2));
-        }
+            hands.0.state().is_idle()
+        });
         hands.check_what_is_open(&name("own head"), &mut wrong);
         opened[2] += hands.over().len();
         for _ in 0..4 {

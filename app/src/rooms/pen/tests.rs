@@ -4,6 +4,7 @@ use super::sample::{Device, PenSample, Phase, Tool};
 use super::*;
 use crate::core::state::OpenFile;
 use crate::editor::Editor;
+use crate::testing::until;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Node, Setting};
 use coif_nodes::define::Value;
@@ -50,9 +51,10 @@ impl Table {
         let mut table = Self { harness, time: 0.0 };
         table.rest();
         // The viewport puts the eye before a groom that it sees first.
-        while !table.editor().viewport.is_idle() {
+        until("the view arrives", || {
             table.step();
-        }
+            table.editor().viewport.is_idle()
+        });
         let camera = camera(&table.editor().state);
         table.editor().viewport.look(camera);
         table
@@ -88,15 +90,11 @@ impl Table {
     }
     /// Until all is evaluated.
     pub(super) fn rest(&mut self) {
-        for _ in 0..2000 {
+        until("the evaluation ends", || {
             self.step();
-            if self.editor().is_idle() && !self.editor().state.stale() {
-                self.step();
-                return;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(2));
-        }
-        panic!("the evaluation never ends: {:?}", self.editor().state.notes.all());
+            self.editor().is_idle() && !self.editor().state.stale()
+        });
+        self.step();
     }
     pub(super) fn pen(&mut self, phase: Phase, at: Pos2, pressure: f32) {
         self.time += 0.005;
@@ -157,13 +155,13 @@ fn a_stroke_drawn_with_pressure_becomes_a_curve_and_one_undo_takes_it_back() {
     // Two frames after its evaluation is done it is a curve of what is displayed, on the head where the pen was.
     let mut frames_after = 0;
     let curves = |editor: &Editor| editor.state.shown.as_ref().map(|s| s.curves.curve_count());
-    while curves(table.editor()) != Some(1) {
+    until("it is a curve", || {
         let state = &table.editor().state;
         frames_after += usize::from(state.run.reports.revision == state.revision);
         assert!(frames_after <= 2);
         table.step();
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
+        curves(table.editor()) == Some(1)
+    });
     table.rest();
     let shown = table.editor().state.shown.clone().expect("a result");
     assert_eq!(shown.curves.curve_count(), 1);
@@ -575,36 +573,22 @@ fn a_mouse_draws_too_and_the_keys_that_turn_the_view_keep_it_from_drawing() {
     }
 }
 
-/// The figures of the guide: milliseconds from samples to the line on the screen, and to the curve.
 #[test]
 fn the_line_is_painted_in_the_frame_of_its_samples() {
     let (mut table, _) = with_a_row();
     table.editor().act("pen.draw");
     table.pen(Phase::Down, Pos2::new(240.0, 320.0), 0.5);
     table.step();
-    let (mut overlay, mut curve) = (vec![], vec![]);
     for k in 1..20 {
         table.pen(Phase::Move, Pos2::new(240.0 + 5.0 * k as f32, 320.0), 0.5);
-        let began = std::time::Instant::now();
         table.step();
-        overlay.push(began.elapsed().as_secs_f64() * 1e3);
         let drawn = table.harness.state().pen.gesture.as_ref().map(|gesture| match &gesture.work {
             gestures::Work::Draw(line) => line.world().len(),
             _ => 0,
         });
         assert_eq!(drawn, Some(k + 1), "the line has every sample");
         table.rest();
-        curve.push(began.elapsed().as_secs_f64() * 1e3);
     }
-    let median = |mut all: Vec<f64>| {
-        all.sort_by(f64::total_cmp);
-        all[all.len() / 2]
-    };
-    println!(
-        "sample to line {:.1} ms, to curve {:.1} ms (medians)",
-        median(overlay),
-        median(curve)
-    );
     table.pen(Phase::Up, Pos2::new(340.0, 320.0), 0.5);
     table.step();
     assert_eq!(table.strokes().0.len(), 2);

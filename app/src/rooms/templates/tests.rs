@@ -7,7 +7,7 @@ use crate::core::room::Room;
 use crate::core::state::Select;
 use crate::editor::tests::{Hands, groom};
 use crate::library;
-use crate::testing::Folder;
+use crate::testing::{Folder, until};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Setting, Thumbnail, groups};
 use coif_graphs::{file, grooms, template};
@@ -15,7 +15,6 @@ use coif_nodes::data::field::Field;
 use coif_nodes::declared::Interface;
 use coif_nodes::define::Value;
 use egui::{Key, PointerButton, Pos2};
-use std::time::{Duration, Instant};
 
 /// A template of coif under another name.
 fn text(name: &str, change: impl FnOnce(&mut Document)) -> String {
@@ -51,11 +50,7 @@ impl Hands {
     }
     pub(crate) fn read(&mut self) {
         self.steps(2);
-        let begin = Instant::now();
-        while self.editor().templates.shelf.is_looking() {
-            assert!(begin.elapsed() < Duration::from_secs(60));
-            std::thread::sleep(Duration::from_millis(2));
-        }
+        until("all are read", || !self.editor().templates.shelf.is_looking());
         self.steps(8);
     }
     fn chosen(&mut self) -> Option<String> {
@@ -148,14 +143,9 @@ fn a_frame_decodes_few_pictures_reads_no_file_and_all_in_sight_are_there_soon() 
     }
     let hands = &mut Hands::on(groom("start"), [1440.0, 900.0], 1.0);
     hands.editor().templates.folders = vec![("a show".to_owned(), folder.root().to_owned())];
-    let begin = Instant::now();
     hands.editor().act("window.templates");
     hands.steps(1);
-    let opened = begin.elapsed();
-    while hands.editor().templates.shelf.is_looking() {
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    let read = begin.elapsed();
+    until("all are read", || !hands.editor().templates.shelf.is_looking());
     let (mut frames, mut total) = (0, 0);
     loop {
         hands.steps(1);
@@ -168,10 +158,6 @@ fn a_frame_decodes_few_pictures_reads_no_file_and_all_in_sight_are_there_soon() 
         }
         total = pictures.total;
     }
-    eprintln!(
-        "50 templates: the room is open after {opened:.1?}, all are read after {read:.1?}, {total} pictures in sight after {:.1?} in {frames} frames",
-        begin.elapsed()
-    );
     assert!((8..=40).contains(&total), "{total} in sight");
     assert_eq!(hands.editor().templates.shelf.reads(), 50);
     let reads = |hands: &mut Hands| hands.editor().templates.shelf.reads();
@@ -253,12 +239,10 @@ fn a_template_of_a_file_is_added_when_it_is_read() {
     let hands = &mut Hands::with_templates(groom("start"), shelf);
     hands.types("ada");
     hands.key(Key::Enter);
-    let begin = Instant::now();
-    while hands.added().is_none() {
-        assert!(begin.elapsed() < Duration::from_secs(60));
-        std::thread::sleep(Duration::from_millis(2));
+    until("it is added", || {
         hands.steps(1);
-    }
+        hands.added().is_some()
+    });
     assert_eq!(hands.added().as_deref(), Some("t00"));
     // A file that went meanwhile is said.
     hands.editor().apply(Event::Undo);
@@ -275,20 +259,17 @@ fn a_template_of_a_file_is_added_when_it_is_read() {
         panic!("it is on the shelf")
     };
     hands.editor().apply(super::add(&gone, None));
-    while !hands.editor().state.notes.all().iter().any(|note| note.text.contains("t00.ron")) {
-        assert!(begin.elapsed() < Duration::from_secs(60));
-        std::thread::sleep(Duration::from_millis(2));
+    until("it is said", || {
         hands.steps(1);
-    }
+        hands.editor().state.notes.all().iter().any(|note| note.text.contains("t00.ron"))
+    });
 }
 
 #[test]
 fn a_shelf_of_nothing_is_what_comes_with_coif() {
     let shelf = Shelf::default();
     shelf.look(vec![("your own".into(), "/no such folder".into())], || {});
-    while shelf.is_looking() {
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    until("it is read", || !shelf.is_looking());
     assert_eq!(shelf.rows().len(), grooms::TEMPLATES.len());
     assert!(shelf.rows().iter().all(|row| matches!(row, ShelfRow::Found(_))));
 }
@@ -338,12 +319,10 @@ fn an_upgrade_is_told_before_it_is_done_and_is_one_step() {
     assert!(hands.shows("⬆ Version 2.0 is in the library"));
     assert!(!hands.shows("Upgrade"), "not before it is told what it does");
     hands.click_on("Show what changes");
-    let begin = Instant::now();
-    while !hands.shows("Upgrade") {
-        assert!(begin.elapsed() < Duration::from_secs(60));
-        std::thread::sleep(Duration::from_millis(2));
+    until("it is told", || {
         hands.steps(1);
-    }
+        hands.shows("Upgrade")
+    });
     hands.steps(2);
     hands.picture("an upgrade");
     assert!(hands.shows("✖ diameter = 0.3: lost, there is no such input any more"));
@@ -386,12 +365,10 @@ fn what_is_offered_follows_the_document_and_a_template_that_lacks_loses_nothing(
     hands.editor().templates.look(&ctx);
     hands.read();
     hands.click_on("Show what changes");
-    let begin = Instant::now();
-    while hands.editor().state.offer.is_none() {
-        assert!(begin.elapsed() < Duration::from_secs(60));
-        std::thread::sleep(Duration::from_millis(2));
+    until("it is offered", || {
         hands.steps(1);
-    }
+        hands.editor().state.offer.is_some()
+    });
     let told = hands.editor().state.offer.as_ref().unwrap().overrides.len();
     let unset = Edit::UnsetInput { node: id.clone(), input: "diameter".to_owned() };
     hands.editor().apply(Event::Edit(unset));

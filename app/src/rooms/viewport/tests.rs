@@ -5,6 +5,7 @@ use super::navigation::orbit;
 use super::*;
 use crate::core::projection::Projection;
 use crate::scene::Skin;
+use crate::testing::until;
 use coif_nodes::data::attributes::{Domain, ID, WIDTH};
 use coif_nodes::data::curves::TuftBuilder;
 use coif_nodes::data::scalp::{HeadFrame, REGION};
@@ -13,7 +14,6 @@ use coif_nodes::maths::hash::Dice;
 use coif_shaders::surface::Tone;
 use coif_shaders::view::View;
 use coif_shaders::{Gpu, Look, Precision, Renderer, Rig, Transform};
-use std::time::Duration;
 
 /// A ball of 6 cm under a few hundred hairs.
 fn wanted() -> DrawRequest {
@@ -88,14 +88,13 @@ fn drawing(test: &str) -> Option<Drawing> {
 
 /// All pictures until the thread rests.
 fn pictures(drawing: &Drawing) -> Vec<Drawn> {
-    let began = Instant::now();
     let mut all = vec![];
-    while !drawing.is_idle() {
+    until("it comes to rest", || {
+        let rests = drawing.is_idle();
         all.extend(drawing.take());
-        assert!(began.elapsed() < Duration::from_secs(60), "it comes to rest");
         assert_eq!(drawing.fault(), None);
-        std::thread::sleep(Duration::from_micros(200));
-    }
+        rests
+    });
     all
 }
 
@@ -143,19 +142,14 @@ fn the_newest_scene_wins_and_what_was_ended_is_never_shown() {
     let Some(mut drawing) = drawing("the_newest_scene_wins") else { return };
     let first = DrawRequest { samples: 512, ..wanted() };
     drawing.ask(first.clone());
-    let began = Instant::now();
     // The first scene is being refined, which takes long.
-    while drawing.take().is_none() {
-        assert!(began.elapsed() < Duration::from_secs(60));
-    }
+    until("a picture comes", || drawing.take().is_some());
     let turned = |k: u32| {
         let camera = orbit(&first.camera, Vec3::ZERO, Vec3::Y, 10.0 * k as f32, 0.0);
         DrawRequest { revision: 1 + u64::from(k), camera, samples: 2, ..first.clone() }
     };
     (1..=9).for_each(|k| drawing.ask(turned(k)));
-    let asked = Instant::now();
     let all = pictures(&drawing);
-    assert!(asked.elapsed() < Duration::from_secs(20), "nobody waits for 512 samples");
     let last = all.last().expect("a picture");
     assert_eq!((last.wanted.revision, last.samples), (10, 2));
     assert_eq!(last.wanted.camera, turned(9).camera);
@@ -164,25 +158,23 @@ fn the_newest_scene_wins_and_what_was_ended_is_never_shown() {
         revisions.is_sorted() && revisions.iter().all(|r| [1, 2, 10].contains(r)),
         "{revisions:?}"
     );
-    assert!(all.iter().all(|d| d.wanted.revision != 1 || d.samples < 512));
+    let ended = |d: &Drawn| d.wanted.revision != 1 || d.samples < 512;
+    assert!(all.iter().all(ended), "nobody waits for 512 samples");
 }
 
 #[test]
 fn while_something_moves_pictures_come_and_rest_follows() {
     let Some(mut drawing) = drawing("while_something_moves_pictures_come") else { return };
     let still = wanted();
-    let mut seen = vec![];
-    for k in 0..40 {
-        let camera = orbit(&still.camera, Vec3::ZERO, Vec3::Y, k as f32, 0.0);
+    let (mut seen, mut asked) = (vec![], 0);
+    until("a picture comes while it moves", || {
+        asked += 1;
+        let camera = orbit(&still.camera, Vec3::ZERO, Vec3::Y, asked as f32, 0.0);
         drawing.ask(DrawRequest { camera, moving: true, ..still.clone() });
-        std::thread::sleep(Duration::from_millis(16));
         seen.extend(drawing.take());
-    }
-    let began = Instant::now();
-    while seen.is_empty() && began.elapsed() < Duration::from_secs(30) {
-        seen.extend(drawing.take());
-    }
-    assert!(!seen.is_empty() && seen.iter().all(|d| d.rough), "rough pictures come while it moves");
+        asked >= 40 && !seen.is_empty()
+    });
+    assert!(seen.iter().all(|d| d.rough), "rough pictures come while it moves");
     drawing.ask(still.clone());
     let rest = pictures(&drawing);
     let last = rest.last().expect("a picture");
@@ -202,13 +194,12 @@ fn what_lies_under_the_pointer_is_hair_or_skin_or_nothing() {
         let part = at.to_vec2() / rect.size();
         let ray = view.ray(at);
         drawing.pick(PickQuery { number, at: [part.x, part.y], ray, camera: wanted.camera });
-        let began = Instant::now();
-        loop {
-            if let Some(picked) = drawing.picked().filter(|picked| picked.number == number) {
-                return picked;
-            }
-            assert!(began.elapsed() < Duration::from_secs(30), "an answer comes");
-        }
+        let mut answer = None;
+        until("an answer comes", || {
+            answer = drawing.picked().filter(|picked| picked.number == number);
+            answer.is_some()
+        });
+        answer.expect("an answer")
     };
     let tuft = wanted.hair.tufts()[0].clone();
     let (mut right, mut found) = (0, 0);
@@ -287,15 +278,13 @@ mod window {
     }
 
     fn settle(ui: &mut Ui) {
-        let began = Instant::now();
         let mut calm = 0;
-        while calm < 3 {
+        until("it comes to rest", || {
             ui.step();
             let rests = ui.state().is_idle() && ui.state().viewport.is_idle();
             calm = if rests { calm + 1 } else { 0 };
-            assert!(began.elapsed() < Duration::from_secs(120), "it comes to rest");
-            std::thread::sleep(Duration::from_millis(2));
-        }
+            calm == 3
+        });
     }
 
     fn drag(ui: &mut Ui, from: Pos2, to: Pos2, button: PointerButton, modifiers: Modifiers) {

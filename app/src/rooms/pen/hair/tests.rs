@@ -6,6 +6,7 @@ mod styles;
 use super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
 use super::super::tests::{Table, draw_on, head};
 use super::target;
+use crate::testing::until;
 use coif_graphs::document::{Document, NodeId, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
@@ -36,13 +37,10 @@ impl Salon {
         Self(table)
     }
     fn rest(&mut self) {
-        for _ in 0..2000 {
+        until("the touch ends", || {
             self.0.rest();
-            if !self.0.editor().pen.hair.is_busy() {
-                return;
-            }
-        }
-        panic!("the touch never ends");
+            !self.0.editor().pen.hair.is_busy()
+        });
     }
     fn line(from: [f32; 2], to: [f32; 2]) -> Vec<Pos2> {
         let at =
