@@ -144,6 +144,7 @@ const FAR: [f32; 2] = [4.0, 8.0];
 #[derive(Clone, Copy)]
 struct Place {
     index: u32,
+    name: u64,
     root: Root,
     owner: Owner,
     side: i32,
@@ -241,7 +242,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         for place in &places[i][from..to] {
             let owner = &place.owner;
-            key = key.int(u64::from(place.index)).float(owner.ahead).float(owner.distance);
+            key = key.int(place.name).float(owner.ahead).float(owner.distance);
         }
         key.finish()
     };
@@ -346,11 +347,11 @@ impl Maker<'_> {
         let batches = last.div_ceil(BATCH);
         let found = cx.map(if self.ground.lanes.is_empty() { 0 } else { batches }, |b| {
             let place = |index: u32| {
-                let root = self.even.root(index)?;
+                let (name, root) = self.even.root(index)?;
                 let owner = self.owner(&root)?;
                 let lane = &self.ground.lanes[owner.lane as usize];
                 let side = lane.side(root.point, owner.foot, owner.u);
-                Some(Place { index, root, owner, side })
+                Some(Place { index, name, root, owner, side })
             };
             let range = (b * BATCH) as u32..last.min((b + 1) * BATCH) as u32;
             Ok(range.filter_map(place).collect::<Vec<Place>>())
@@ -484,7 +485,7 @@ impl Maker<'_> {
         }
     }
     fn id(&self, lane: &Lane, place: &Place) -> u64 {
-        curve_id(lane.id, self.inputs.seed as u64, u64::from(place.index))
+        curve_id(lane.id, self.inputs.seed as u64, place.name)
     }
     /// Hairs of a row from their roots to where they join.
     fn hairs<'m>(

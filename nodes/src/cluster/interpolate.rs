@@ -294,7 +294,7 @@ impl Maker<'_> {
         for (hair, blend) in (0..read.hairs).map(hair) {
             piece.tick()?;
             patience.add((LOOKS_A_POINT * each as f32) as u64);
-            let id = curve_id(0, self.inputs.seed as u64, u64::from(hair.index));
+            let id = curve_id(0, self.inputs.seed as u64, hair.name);
             blended.iter_mut().for_each(|axis| axis.fill(0.0));
             for (guide, weight) in blend {
                 let shape = shape(*guide);
@@ -407,7 +407,7 @@ mod tests {
     fn guides(n: u32, length: impl Fn(u32) -> f32) -> Curves {
         let scalp = shared_ball();
         let even = crate::guides::even_roots::EvenRoots::new(&scalp, Dice::new(0, 0, "guides"));
-        let roots = (0..).filter_map(|i| even.root(i)).take(n as usize);
+        let roots = (0..).filter_map(|i| even.root(i)).map(|root| root.1).take(n as usize);
         let tufts = (0..).zip(roots).map(|(i, root)| {
             let mut b = TuftBuilder::new();
             let at = |k: i32| root.point + root.normal * (length(i) * k as f32 / 6.0);
@@ -509,18 +509,18 @@ mod tests {
         let log = Log::default();
         let many = run_on(&NODE, &set, &Threads(5), &log, Quality::Final).unwrap();
         assert_eq!(alone.key(), curves_of(&many[0]).key());
-        // The ball's edge is soft and leaves out a few of the list: what is left has the ids of the first that are there, whatever
+        // The ball's edge is soft and leaves out a few of the list: what is left has the names of the first that are there, whatever
         // work they were found in, and each guide's hair lies in the order of the list.
         let scalp = shared_ball();
         let even = crate::guides::even_roots::EvenRoots::new(&scalp, Dice::new(0, 7, "roots"));
-        let list = (0..).filter(|i| even.root(*i).is_some()).take(9000);
-        let place: BTreeMap<u64, u32> = list.map(|i| (curve_id(0, 7, u64::from(i)), i)).collect();
+        let list = (0..).filter_map(|i| Some((i, even.root(i)?.0))).take(9000);
+        let place: BTreeMap<u64, u32> = list.map(|(i, name)| (curve_id(0, 7, name), i)).collect();
         assert_eq!(alone.curve_count(), 9000);
         for tuft in alone.tufts() {
             let places: Vec<u32> = (0..tuft.len()).map(|i| place[&tuft.id(i)]).collect();
             assert!(places.is_sorted(), "{places:?}");
             for (i, place) in places.iter().enumerate() {
-                assert_eq!(tuft.curve(i)[0], even.root(*place).unwrap().point);
+                assert_eq!(tuft.curve(i)[0], even.root(*place).unwrap().1.point);
             }
         }
     }

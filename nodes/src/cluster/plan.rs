@@ -7,7 +7,7 @@ use crate::data::scalp::{Root, Scalp};
 use crate::data::sections::Sections;
 use crate::define::{FieldInput, NodeError};
 use crate::eval::{EvalCx, Size};
-use crate::guides::even_roots::EvenRoots;
+use crate::guides::even_roots::{EvenRoot, EvenRoots};
 use crate::maths::hash::{Dice, Key, KeyBuilder};
 use crate::maths::nearest::KdTree;
 use crate::maths::spline::{CurveFault, Spline};
@@ -33,8 +33,9 @@ pub(super) struct PlanParams<'a> {
 /// A hair without a shape.
 #[derive(Clone, Copy)]
 pub(super) struct PlannedHair {
-    /// Index in the list of even roots.
+    /// Index in the list of even roots, and name there.
     pub index: u32,
+    pub name: u64,
     pub triangle: u32,
     pub bary: Vec2,
     pub uv: Vec2,
@@ -71,11 +72,12 @@ pub(super) struct Plan {
     pub missing: usize,
 }
 
-/// Approximate number of roots per piece of work: a stretch of the curve that orders the list of even roots, so they are close on
-/// the scalp.
+/// Approximate number of roots per piece of work: a stretch of the row in which all triangles lie, so they are close on the scalp.
 const BATCH: usize = 2048;
 /// Smallest number of candidates to search for missing hair.
 const ROUND: usize = 4096;
+/// Candidates that are looked up together.
+const CHUNK: usize = 16 * BATCH;
 /// Number of candidates after which the total size is checked.
 const LONG_ROUND: usize = 1 << 20;
 /// Approximate number of pieces of work in which groups are assembled.
@@ -101,7 +103,7 @@ impl Found {
 }
 
 /// A place in the list of even roots, and whether the mask keeps the hair there.
-type Place = (u32, Root, bool);
+type Place = (Listed, Root, bool);
 
 impl Plan {
     /// The plan for these guides (one per tuft), from the cache or made.
@@ -280,7 +282,7 @@ impl Plan {
         told.clear();
         for place in &hairs {
             let (hair, blend) = self.hair(*place);
-            told.push(both(hair.index, blend.len() as u32));
+            told.extend([hair.name, blend.len() as u64]);
             for (guide, weight) in blend {
                 let slot = &mut slots[*guide as usize];
                 if *slot == NO_SLOT {
@@ -314,6 +316,9 @@ fn each_guide<T: Send + Sync>(
     Ok(pieces.into_iter().flatten().collect())
 }
 
+/// An even root by its index in the list, and its name.
+type Listed = (u32, u64);
+
 /// Finds roots, and the guides of each.
 struct Finder<'a> {
     forest: Forest<'a>,
@@ -330,9 +335,14 @@ impl Finder<'_> {
         let bits = (indices.len() / BATCH).max(1).ilog2();
         let mut batches: Vec<Vec<u64>> = vec![];
         batches.resize_with(1 << bits, || Vec::with_capacity((indices.len() >> bits) + 8));
-        for i in indices {
-            let along = u64::from(self.even.along(i));
-            batches[(along >> (32 - bits)) as usize].push(along << 32 | u64::from(i));
+        let all = cx.map(indices.len().div_ceil(CHUNK), |chunk| {
+            let from = indices.start + (chunk * CHUNK) as u32;
+            let listed = from..indices.end.min(from + CHUNK as u32);
+            let along = |i: u32| u64::from(self.even.along(i)) << 32 | u64::from(i);
+            Ok(listed.map(along).collect::<Vec<u64>>())
+        })?;
+        for along in all.into_iter().flatten() {
+            batches[(along >> 32 >> (32 - bits)) as usize].push(along);
         }
         cx.map(batches.len(), |b| {
             let mut along = batches[b].clone();
@@ -344,11 +354,11 @@ impl Finder<'_> {
     /// The hair with these indices, which are close along the curve.
     fn batch(&self, indices: impl Iterator<Item = u32>) -> Result<Found, NodeError> {
         let root = |i: u32| {
-            let (triangle, bary) = self.even.get(i)?;
-            Some((i, self.scalp.root(triangle, bary)))
+            let EvenRoot { name, triangle, bary } = self.even.get(i)?;
+            Some(((i, name), self.scalp.root(triangle, bary)))
         };
-        let rooted: Vec<(u32, Root)> = indices.filter_map(root).collect();
-        let chance = |i| self.keep.unit(u64::from(i), 0);
+        let rooted: Vec<(Listed, Root)> = indices.filter_map(root).collect();
+        let chance = |(_, name): Listed| self.keep.unit(name, 0);
         let mut rooted = masked(rooted, self.asked.mask, self.scalp, chance)?;
         if self.asked.count.is_none() {
             rooted.retain(|(.., kept)| *kept);
@@ -383,13 +393,14 @@ impl Finder<'_> {
                 let at = found.weights.len();
                 weigh(near, self.asked, &mut found.weights);
                 let count = found.weights.len() - at;
-                let (index, root, kept) = &rooted[start + i];
+                let ((index, name), root, kept) = &rooted[start + i];
                 if count > 0 && !kept {
                     found.weights.truncate(at);
                     found.left_out.push(*index);
                 } else if count > 0 {
                     found.hairs.push(PlannedHair {
                         index: *index,
+                        name: *name,
                         triangle: root.triangle,
                         bary: root.bary,
                         uv: root.uv,
@@ -462,10 +473,10 @@ impl<'a> Forest<'a> {
 
 /// The roots, with which of them the mask keeps.
 fn masked(
-    roots: Vec<(u32, Root)>,
+    roots: Vec<(Listed, Root)>,
     mask: &FieldInput,
     scalp: &Scalp,
-    chance: impl Fn(u32) -> f32,
+    chance: impl Fn(Listed) -> f32,
 ) -> Result<Vec<Place>, NodeError> {
     if mask.constant() == Some(1.0) {
         return Ok(roots.into_iter().map(|(i, root)| (i, root, true)).collect());

@@ -25,7 +25,7 @@ const LEAN: (f32, f32) = (0.573_576_4, 0.819_152);
 /// Smallest cosine between the skin's normal and the direction from the cranium's centre that still counts as scalp: 72
 /// degrees, steeper than any cranium.
 const ON_EDGE: f32 = 0.3;
-/// How much farther out or in the skin may be next to a cell's centre, cm: it is steep beside an ear.
+/// How much farther out or in the skin may be next to a cell's centre, head units: it is steep beside an ear.
 const SLOPE: f32 = 0.8;
 /// Triangles larger than this on the map (those around the antipode of its centre) are left out.
 const TOO_WIDE: f32 = 0.7;
@@ -43,6 +43,8 @@ pub struct ChartProjection {
     origin: Vec3,
     /// Right and top (the forehead) of the map, and its normal.
     axes: [Vec3; 3],
+    /// Centimetres per head unit.
+    unit: f32,
 }
 
 impl ChartProjection {
@@ -55,6 +57,12 @@ impl ChartProjection {
     #[inline]
     pub fn out(&self, p: Vec3) -> f32 {
         p.distance(self.origin)
+    }
+    /// Centimetres per head unit: whatever is decided on the map is decided in these, so that a head in any unit and size is
+    /// parted alike.
+    #[inline]
+    pub fn unit(&self) -> f32 {
+        self.unit
     }
     /// Position on the map of a direction from the centre of the cranium.
     #[inline]
@@ -97,7 +105,11 @@ impl Chart {
         let (sin, cos) = LEAN;
         let axis = frame.up * cos - frame.forward * sin;
         let top = frame.forward * cos + frame.up * sin;
-        let spread = ChartProjection { origin: frame.origin, axes: [frame.right, top, axis] };
+        let spread = ChartProjection {
+            origin: frame.origin,
+            axes: [frame.right, top, axis],
+            unit: frame.unit(),
+        };
         let mut chart = Self { spread, spots: vec![] };
         chart.spots = (0..CELLS * CELLS)
             .map(|i| {
@@ -167,6 +179,10 @@ impl Chart {
     pub fn spread(&self) -> ChartProjection {
         self.spread
     }
+    /// Centimetres per head unit.
+    pub fn unit(&self) -> f32 {
+        self.spread.unit
+    }
     /// Position of a point on the map.
     #[inline]
     pub fn flat(&self, p: Vec3) -> Vec2 {
@@ -192,7 +208,7 @@ impl Chart {
         let radius = scalp.frame().radius;
         // Outside the region the outermost skin counts, in a wide range.
         let (mut from, to) = match known {
-            Some(out) => (out - SLOPE, out + SLOPE),
+            Some(out) => (out - SLOPE * self.unit(), out + SLOPE * self.unit()),
             None => (0.5 * radius, 2.0 * radius),
         };
         let mut found = None;
@@ -203,7 +219,7 @@ impl Chart {
                     break;
                 }
             }
-            from += hit.distance + 1e-3;
+            from += hit.distance + 1e-3 * self.unit();
         }
         match found {
             Some(hit) => Some(scalp.root(hit.triangle, hit.bary)),
@@ -216,7 +232,7 @@ impl Chart {
     }
     /// Length of skin in cm that a step on the map covers, near `q`.
     pub fn stretch(&self, q: Vec2, step: Vec2) -> f32 {
-        let out = cell_of(q).map_or(1.0, |i| self.out(i));
+        let out = cell_of(q).map_or(self.unit(), |i| self.out(i));
         let (a, b) = (self.direction(q - step * 0.5), self.direction(q + step * 0.5));
         a.distance(b) * out
     }

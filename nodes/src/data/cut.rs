@@ -9,23 +9,25 @@
 //! Guarantees: sections are numbered from front to back; cuts do not depend on cuts elsewhere, except for the threshold
 //! of narrowness, which derives from the median width of all. Not promised: sections narrower than a cell (1.1 mm).
 
-use super::chart::{CELL, CELLS, around, middle};
+use super::chart::{CELLS, around, middle};
 use super::lines::{Lines, LinesView, PartingSegment};
 use super::scalp::Scalp;
-use super::sections::{NONE, Parting};
+use super::sections::{CONTACT, NONE, Parting};
 use crate::maths::hash::curve_id;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Smallest area of a section, cm2: the box of a micro braid has twice that.
+/// Smallest area of a section, square head units: the box of a micro braid has twice that.
 const LEAST: f32 = 0.12;
-/// A speck beside an ear is not a section either: at most this small, and at most this fraction of the median section's
-/// area.
+/// A speck beside an ear is not a section either: at most this small (square head units), and at most this fraction of
+/// the median section's area.
 const SPECK: (f32, f32) = (0.3, 0.06);
 /// A piece narrower than this fraction of the median section goes to its neighbour. Width is twice the area over the
 /// length of the border: half the side of a square, half the width of a strip.
 const NARROW: f32 = 0.25;
-/// A cell is on a line if it is nearer than half the line's width, clamped to these limits, cm.
+/// A border that is this fraction of the longest counts as long as it: the first of such neighbours takes a piece.
+const AS_LONG: f32 = 0.95;
+/// A cell is on a line if it is nearer than half the line's width, clamped to these limits, head units.
 const BARE: (f32, f32) = (0.05, 0.2);
 /// Scalp that is connected to no section but lies this near to one (cells) belongs to it: the ragged edge of a region.
 const RAGGED: usize = 8;
@@ -90,19 +92,19 @@ pub(super) fn cut(scalp: &Scalp, partings: Vec<Parting>) -> Cut {
     let specks: Vec<usize> = (0..CELLS * CELLS)
         .filter(|cell| tracts.get(labels[*cell] as usize).is_some_and(|tract| !tract.parted))
         .collect();
-    let slivers = number(&joined, &tracts, &mut labels);
+    let slivers = number(&joined, &tracts, scalp.chart().unit(), &mut labels);
     mend_the_edge(lines.seen(&[], None), &specks, &mut labels);
     Cut { partings, lines, labels, slivers }
 }
 
 /// Joins cells with no parting between them: first those off the lines, then those next to them, then the rest.
 fn flood(scalp: &Scalp, lines: LinesView) -> Vec<u32> {
-    let spots = scalp.chart().spots();
+    let (spots, unit) = (scalp.chart().spots(), scalp.chart().unit());
     let mut labels = vec![NONE; CELLS * CELLS];
     let mut next = 0;
     let on_line = |cell: usize| {
         let cell = lines.cell(cell);
-        let bare = lines.half_width(cell.nearest()).clamp(BARE.0, BARE.1);
+        let bare = lines.half_width(cell.nearest()).clamp(BARE.0 * unit, BARE.1 * unit);
         cell.nearest() != NONE && cell.clear() < bare
     };
     let spread = |labels: &mut [u32], mut front: Vec<usize>, off: bool| {
@@ -185,22 +187,29 @@ fn join(
             }
         }
     }
+    let unit = scalp.chart().unit();
+    let least_area = LEAST * unit * unit;
     let mut widths: Vec<f32> =
-        tracts.iter().filter(|t| t.area >= LEAST).map(Tract::width).collect();
+        tracts.iter().filter(|t| t.area >= least_area).map(Tract::width).collect();
     widths.sort_by(f32::total_cmp);
     let least = NARROW * widths.get(widths.len() / 2).copied().unwrap_or(0.0);
-    // Widths are not negative, so their bits sort like their values.
-    let asked = |t: &Tract, i: u32| (t.width() < least).then(|| (t.width().to_bits(), i));
+    // The narrowest first; of those as narrow to a hundredth, which last bits would tell apart, the first. (Widths are
+    // not negative, so their bits sort like their values.)
+    let rank = |t: &Tract, i: u32| (t.width().to_bits() >> 16, i);
+    let asked = |t: &Tract, i: u32| (t.width() < least).then(|| rank(t, i));
     let mut small: BTreeSet<(u32, u32)> =
         (0..).zip(tracts.iter()).filter_map(|(i, tract)| asked(tract, i)).collect();
     while let Some((_, from)) = small.pop_first() {
-        let longest = |a: &(&u32, &f32), b: &(&u32, &f32)| a.1.total_cmp(b.1).then(b.0.cmp(a.0));
-        let Some((to, contact)) =
-            contacts[from as usize].iter().max_by(longest).map(|(to, length)| (*to, *length))
+        let beside = &contacts[from as usize];
+        let longest = beside.values().fold(0.0f32, |longest, length| longest.max(*length));
+        let Some((to, contact)) = beside
+            .iter()
+            .find(|(_, length)| **length >= AS_LONG * longest)
+            .map(|(to, length)| (*to, *length))
         else {
             continue;
         };
-        small.remove(&(tracts[to as usize].width().to_bits(), to));
+        small.remove(&rank(&tracts[to as usize], to));
         let own = std::mem::take(&mut contacts[from as usize]);
         for (other, length) in own {
             contacts[other as usize].remove(&from);
@@ -212,7 +221,7 @@ fn join(
         let given = tracts[from as usize];
         let tract = &mut tracts[to as usize];
         tract.area += given.area;
-        tract.border = (tract.border + given.border - 2.0 * contact).max(1e-3);
+        tract.border = (tract.border + given.border - 2.0 * contact).max(1e-3 * unit);
         tract.parted |= given.parted;
         small.extend(asked(tract, to));
         one_with[from as usize] = to;
@@ -236,12 +245,7 @@ fn parting_something(
 ) -> (Vec<Parting>, Lines) {
     let seen = lines.seen(labels, None);
     let parts = |piece: &PartingSegment| {
-        let [a, b] = piece.flat;
-        let (middle, aside) = ((a + b) * 0.5, (b - a).perp().normalize_or_zero() * CELL);
-        // Where two lines coincide, nothing is between them.
-        let on_side =
-            |way: Vec2| [0.3, 0.8, 1.5].iter().find_map(|far| seen.label_at(middle + way * *far));
-        let [left, right] = [aside, -aside].map(on_side);
+        let [left, right] = seen.sides(piece);
         left.is_none() || left != right
     };
     let keeps: Vec<bool> = lines
@@ -252,22 +256,22 @@ fn parting_something(
     if keeps.iter().all(|keep| *keep) {
         return (partings, lines);
     }
+    let least = CONTACT * scalp.chart().unit();
     let mut kept = vec![];
-    let mut keeps = keeps.into_iter();
+    let mut from = 0;
     for line in partings {
-        let mut runs: Vec<Vec<Vec3>> = vec![vec![]];
-        for w in line.points.windows(2) {
-            let last = runs.len() - 1;
-            match (keeps.next().unwrap_or(true), runs[last].is_empty()) {
-                (true, true) => runs[last].extend(w),
-                (true, false) => runs[last].push(w[1]),
-                (false, true) => {}
-                (false, false) => runs.push(vec![]),
-            }
-        }
-        runs.retain(|run| !run.is_empty());
-        for (k, points) in (0..).zip(runs) {
-            let id = if k == 0 { line.id } else { curve_id(line.id, RUN_TAG, k) };
+        let keeps = &keeps[from..][..line.points.len().saturating_sub(1)];
+        from += keeps.len();
+        // Those that are as short as a corner bound nothing and are counted by themselves: which of them there are hangs from
+        // last bits, and the others keep their ids.
+        let (mut long, mut short) = (0, 0);
+        for points in runs(&line.points, keeps, least) {
+            let (tag, k) = match length(&points) < least {
+                true => (SHORT_TAG, &mut short),
+                false => (RUN_TAG, &mut long),
+            };
+            let id = if (tag, *k) == (RUN_TAG, 0) { line.id } else { curve_id(line.id, tag, *k) };
+            *k += 1;
             kept.push(Parting { id, points, ..line });
         }
     }
@@ -275,17 +279,43 @@ fn parting_something(
     (kept, lines)
 }
 
-/// Mixed into the ids of the pieces of a broken line.
-const RUN_TAG: u64 = 0xB20C;
+/// Length of a line, cm.
+fn length(points: &[Vec3]) -> f32 {
+    points.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
 
-/// Numbers the sections, without those that are too small; returns how many of these a parting bounds.
-fn number(one_with: &[u32], tracts: &[Tract], labels: &mut [u32]) -> usize {
+/// The pieces of a line of whose segments these are kept; what leaves out less than `least` (cm) between two that are kept
+/// is kept too.
+fn runs(points: &[Vec3], keeps: &[bool], least: f32) -> Vec<Vec<Vec3>> {
+    let mut runs: Vec<Vec<Vec3>> = vec![];
+    let mut at = 0;
+    for same in keeps.chunk_by(|a, b| a == b) {
+        let here = &points[at..=at + same.len()];
+        let is_hole = !same[0] && at > 0 && at + same.len() < keeps.len() && length(here) < least;
+        match (same[0] || is_hole, runs.last_mut().filter(|run| run.last() == here.first())) {
+            (true, Some(run)) => run.extend(&here[1..]),
+            (true, None) => runs.push(here.to_vec()),
+            (false, _) => {}
+        }
+        at += same.len();
+    }
+    runs
+}
+
+/// Mixed into the ids of the pieces of a broken line, and of those as short as a corner.
+const RUN_TAG: u64 = 0xB20C;
+const SHORT_TAG: u64 = 0xB20D;
+
+/// Numbers the sections, without those that are too small; returns how many of these a parting bounds. `unit` is one
+/// head unit in cm.
+fn number(one_with: &[u32], tracts: &[Tract], unit: f32, labels: &mut [u32]) -> usize {
+    let (smallest, speck_area) = (LEAST * unit * unit, SPECK.0 * unit * unit);
     let own = |i: &usize| one_with[*i] == *i as u32;
     let mut areas: Vec<f32> = (0..tracts.len()).filter(own).map(|i| tracts[i].area).collect();
-    areas.retain(|area| *area >= LEAST);
+    areas.retain(|area| *area >= smallest);
     areas.sort_by(f32::total_cmp);
-    let speck = |middle: &f32| LEAST.max(SPECK.0.min(SPECK.1 * middle));
-    let least = areas.get(areas.len() / 2).map_or(LEAST, speck);
+    let speck = |middle: &f32| smallest.max(speck_area.min(SPECK.1 * middle));
+    let least = areas.get(areas.len() / 2).map_or(smallest, speck);
     let (mut next, mut slivers) = (0, 0);
     let mut numbers = vec![NONE; tracts.len()];
     // A section takes the place of its first tract.

@@ -5,7 +5,7 @@
 //! are listed for a place are near it.
 
 use super::chart::{CELL, CELLS, around, cell_of, cross, middle};
-use super::places::{PLACE, Places, place_of};
+use super::places::{Places, place_of};
 use super::read_set::{Digests, Reads, block_of};
 use super::scalp::Scalp;
 use super::sections::{FAR, NONE, Parting};
@@ -59,13 +59,14 @@ pub(super) struct MapCell<'a> {
 /// Direction off the scalp at each point of a line: the mean of the normals around it, weighted by proximity. A fold
 /// that the line crosses has no side of its own.
 pub(crate) fn off_the_scalp(scalp: &Scalp, line: &[Vec3]) -> Vec<Vec3> {
-    /// Distance along the line over which they count, cm.
+    /// Distance along the line over which they count, head units.
     const REACH: f32 = 0.8;
+    let reach = REACH * scalp.frame().unit();
     let normal = |p: &Vec3| scalp.closest_root(*p).map_or(Vec3::ZERO, |root| root.normal);
     let normals: Vec<Vec3> = line.iter().map(normal).collect();
     let mean = |k: usize| {
         let one = |i: usize| {
-            let near = 1.0 - line[i].distance(line[k]) / REACH;
+            let near = 1.0 - line[i].distance(line[k]) / reach;
             (near > 0.0).then(|| normals[i] * near)
         };
         let after = (k..line.len()).map_while(one);
@@ -77,8 +78,8 @@ pub(crate) fn off_the_scalp(scalp: &Scalp, line: &[Vec3]) -> Vec<Vec3> {
 
 impl PartingSegment {
     /// Whether the straight segment between two points crosses this piece, or comes as near to the plane between its
-    /// sides as the fraction `near` of half its width.
-    fn is_passed(&self, from: Vec3, to: Vec3, near: f32) -> bool {
+    /// sides as the fraction `near` of half its width, at most `off` (cm) off it.
+    fn is_passed(&self, from: Vec3, to: Vec3, near: f32, off: f32) -> bool {
         let near = near * self.half_width;
         let [a, b] = self.ends;
         let along = b - a;
@@ -92,7 +93,7 @@ impl PartingSegment {
             return false;
         };
         let t = on.dot(along) / along.length_squared().max(1e-12);
-        (0.0..1.0).contains(&t) && on.distance(along * t) < 0.5 * PLACE
+        (0.0..1.0).contains(&t) && on.distance(along * t) < off
     }
 }
 
@@ -126,7 +127,7 @@ impl Lines {
                 next[cell] += 1;
             }
         }
-        let places = Places::new(&pieces);
+        let places = Places::new(&pieces, spread.unit());
         let mut lines = Self { pieces, starts, listed, nearest: vec![], clear: vec![], places };
         lines.near(scalp);
         lines
@@ -296,6 +297,16 @@ impl<'a> LinesView<'a> {
         reached((own.number, own.label())).or_else(|| own.labels_around().find_map(reached))
     }
 
+    /// The sections on the left and on the right of a segment.
+    pub(super) fn sides(self, piece: &PartingSegment) -> [Option<u32>; 2] {
+        let [a, b] = piece.flat;
+        let (middle, aside) = ((a + b) * 0.5, (b - a).perp().normalize_or_zero() * CELL);
+        // Where two lines coincide, nothing is between them.
+        let on =
+            |way: Vec2| [0.3, 0.8, 1.5].iter().find_map(|far| self.label_at(middle + way * *far));
+        [aside, -aside].map(on)
+    }
+
     /// The segment whose bare skin is nearest to a point over a cell, and the distance to the segment (not to its bare skin), cm.
     pub(super) fn nearest_at(self, own: Option<usize>, p: Vec3) -> Option<(f32, u32)> {
         let mut best = (FAR, NONE, FAR);
@@ -341,13 +352,14 @@ impl<'a> LinesView<'a> {
         /// Number of segments tested together, since most are near no parting; and the largest size of their box, in
         /// places.
         const TOGETHER: (usize, f32) = (12, 5.0);
+        let half = self.lines.places.half();
         let passes = |from: Vec3, to: Vec3| {
-            let parts = (from.distance(to) / (0.2 * PLACE)).ceil().clamp(1.0, 200.0);
+            let parts = (from.distance(to) / (0.4 * half)).ceil().clamp(1.0, 200.0);
             (0..parts as u32).any(|k| {
                 let at = |k: u32| from.lerp(to, k as f32 / parts);
                 let (a, b) = (at(k), at(k + 1));
                 let near = self.near_place((a + b) * 0.5);
-                near.iter().any(|i| self.lines.pieces[*i as usize].is_passed(a, b, aside))
+                near.iter().any(|i| self.lines.pieces[*i as usize].is_passed(a, b, aside, half))
             })
         };
         let mut last = n.saturating_sub(1);

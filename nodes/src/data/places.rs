@@ -12,6 +12,8 @@ pub(super) struct Places {
     /// segments wherever other partings lie.
     low: [i32; 3],
     side: f32,
+    /// Half of the least side, cm: segments are found from as far.
+    half: f32,
     size: [usize; 3],
     /// Start of each place's segments in `listed`.
     starts: Vec<u32>,
@@ -22,19 +24,29 @@ impl Places {
     /// The most places along an axis; larger extents have larger places.
     const MOST: f32 = 128.0;
 
-    pub(super) fn new(pieces: &[PartingSegment]) -> Self {
+    /// `unit` is one head unit in cm.
+    pub(super) fn new(pieces: &[PartingSegment], unit: f32) -> Self {
+        let place = PLACE * unit;
         let ends = || pieces.iter().flat_map(|piece| piece.ends);
-        let low = ends().fold(Vec3::INFINITY, Vec3::min) - PLACE;
-        let high = ends().fold(Vec3::NEG_INFINITY, Vec3::max) + PLACE;
+        let low = ends().fold(Vec3::INFINITY, Vec3::min) - place;
+        let high = ends().fold(Vec3::NEG_INFINITY, Vec3::max) + place;
         let longest = (high - low).max_element();
         if !longest.is_finite() {
             let (size, starts) = ([0; 3], vec![0]);
-            return Self { low: [0; 3], side: PLACE, size, starts, listed: vec![] };
+            return Self {
+                low: [0; 3],
+                side: place,
+                half: 0.5 * place,
+                size,
+                starts,
+                listed: vec![],
+            };
         }
-        let side = PLACE.max(longest / Self::MOST);
+        let side = place.max(longest / Self::MOST);
         let (low, high) = (place_of(low, side), place_of(high, side));
         let size = [0, 1, 2].map(|k| (high[k] - low[k]) as usize + 1);
-        let mut places = Self { low, side, size, starts: vec![], listed: vec![] };
+        let mut places =
+            Self { low, side, half: 0.5 * place, size, starts: vec![], listed: vec![] };
         let mut starts = vec![0u32; size.iter().product::<usize>() + 1];
         for piece in pieces {
             places.about(piece).for_each(|at| starts[at + 1] += 1);
@@ -59,6 +71,11 @@ impl Places {
         self.side
     }
 
+    /// How far from a segment a point may be for the segment to be listed at the point's place, cm.
+    pub(super) fn half(&self) -> f32 {
+        self.half
+    }
+
     /// Start of a place's list, if the grid contains it.
     fn slot(&self, place: [i32; 3]) -> Option<usize> {
         let at = [0, 1, 2].map(|k| usize::try_from(place[k].saturating_sub(self.low[k])).ok());
@@ -70,8 +87,8 @@ impl Places {
     /// The places within half a place of a segment, and some slightly farther.
     fn about(&self, piece: &PartingSegment) -> impl Iterator<Item = usize> + use<> {
         let [a, b] = piece.ends;
-        let low = place_of(a.min(b) - 0.6 * PLACE, self.side);
-        let high = place_of(a.max(b) + 0.6 * PLACE, self.side);
+        let low = place_of(a.min(b) - 1.2 * self.half, self.side);
+        let high = place_of(a.max(b) + 1.2 * self.half, self.side);
         let [xs, ys, zs] = [0, 1, 2].map(|k| {
             let slot = |x: i32| (x.max(self.low[k]) - self.low[k]) as usize;
             slot(low[k])..=slot(high[k]).min(self.size[k] - 1)
@@ -127,5 +144,5 @@ pub(super) fn place_of(p: Vec3, side: f32) -> [i32; 3] {
     (p / side).to_array().map(|x| (x as i32).saturating_sub(i32::from(x < x as i32 as f32)))
 }
 
-/// Side of a place, cm: partings up to twice as wide are seen from both sides.
-pub(super) const PLACE: f32 = 0.5;
+/// Side of a place, head units: partings up to twice as wide are seen from both sides.
+const PLACE: f32 = 0.5;

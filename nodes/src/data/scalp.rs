@@ -11,7 +11,7 @@ use super::links::Links;
 use super::outline::ConnectedSurface;
 use super::rough::Rough;
 use super::sections::Sections;
-use super::spread::{TriangleLine, highest};
+use super::spread::{RegionTree, highest};
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::DistanceField;
 use crate::maths::hash::{Key, KeyBuilder};
@@ -168,7 +168,7 @@ struct Head {
     links: OnceLock<Arc<Links>>,
     field: OnceLock<DistanceField>,
     rough: OnceLock<Option<Rough>>,
-    spread: OnceLock<TriangleLine>,
+    spread: OnceLock<RegionTree>,
     chart: OnceLock<Chart>,
 }
 
@@ -326,7 +326,7 @@ impl Scalp {
             let off = self.home(root.point).and_then(|home| home.kept(root.point, &mut near));
             let off = off.and_then(|p| (p - root.point).try_normalize());
             let off = off.or((root.point - centre).try_normalize()).unwrap_or(Vec3::ZERO);
-            let tries = (0..16).map(|k| root.point + off * (0.04 * k as f32));
+            let tries = (0..16).map(|k| root.point + off * (0.04 * self.frame().unit() * k as f32));
             let mut tries = tries.filter_map(|p| self.closest_root(p));
             return tries.find(|root| self.free(root.point)).unwrap_or(root);
         }
@@ -444,9 +444,12 @@ impl Scalp {
     pub fn region(&self) -> &[f32] {
         &self.head.masks[REGION]
     }
-    /// The region as a line along which roots are spread, computed on first use.
-    pub(crate) fn spread(&self) -> &TriangleLine {
-        self.head.spread.get_or_init(|| TriangleLine::new(&self.head.surface, &|t| self.highest(t)))
+    /// The region as a tree by which roots are dealt out, computed on first use.
+    pub(crate) fn spread(&self) -> &RegionTree {
+        let head = &*self.head;
+        head.spread.get_or_init(|| {
+            RegionTree::new(&head.surface, &|t| self.highest(t), self.kept.as_deref())
+        })
     }
     fn drawn(&self, name: &str) -> Option<&DrawnRegion> {
         self.head.drawn.iter().find(|(known, _)| known == name).map(|(_, region)| region)
@@ -533,7 +536,7 @@ impl Scalp {
             + self.head.field.get().map_or(0, DistanceField::bytes)
             + self.head.links.get().map_or(0, |links| links.bytes())
             + self.head.drawn.iter().map(|(_, region)| region.bytes()).sum::<usize>()
-            + self.head.spread.get().map_or(0, TriangleLine::bytes)
+            + self.head.spread.get().map_or(0, RegionTree::bytes)
             + self.head.chart.get().map_or(0, Chart::bytes)
     }
 }

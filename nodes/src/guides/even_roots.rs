@@ -1,30 +1,45 @@
 //! Evenly distributed roots on the scalp region: an infinite list of which every prefix is even.
 //!
-//! The region as a line ([`crate::data::spread`]) is continued inside each triangle by bisection, so that a number from
-//! 0 to 1 identifies a point and equal lengths have equal area. The numbers are van der Corput's sequence with
-//! scrambled digits (Owen 1995), of which every prefix is evenly spread. In soft parts of the region, a point is kept
-//! with the region's value as its probability.
+//! The list is dealt out among the triangles ([`crate::data::spread`]), and what a triangle is dealt is spread in it by
+//! bisection: a number from 0 to 1 is a point of it, and equal lengths have equal area. The numbers are van der Corput's
+//! sequence with scrambled digits (Owen 1995), of which every prefix is evenly spread. In soft parts of the region, a point
+//! is kept with the region's value as its probability.
 //!
-//! Guarantees: the list depends only on scalp and seed; the same number of points per cm2 wherever the region is 1.
+//! Guarantees: the list depends only on scalp and seed; the same number of points per cm2 wherever the region is 1; the
+//! n-th point of a triangle, its id and its weights depend on the triangle's number, n and the seed alone, so what a head
+//! has in common with one that was turned, scaled or shaped differently is rooted alike on both.
 
 use crate::data::scalp::{Root, Scalp};
-use crate::data::spread::TriangleLine;
-use crate::maths::hash::{Dice, mix};
+use crate::data::spread::{Dealt, RegionTree, unit};
+use crate::maths::hash::{Dice, curve_id, mix};
 use glam::{Vec2, Vec3};
 
 /// The list.
 pub(crate) struct EvenRoots<'a> {
     scalp: &'a Scalp,
     dice: Dice,
-    spread: &'a TriangleLine,
+    seed: u64,
+    spread: &'a RegionTree,
 }
+
+/// An entry of the list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EvenRoot {
+    /// What it is called on the skin, by its triangle and its number there: for ids, and for all that is drawn by lot about it.
+    pub(crate) name: u64,
+    pub(crate) triangle: u32,
+    pub(crate) bary: Vec2,
+}
+
+/// Seed tag that stands for "a place on the skin".
+const ON_SKIN: u64 = 0x736B_696E;
 
 /// Bisections inside a triangle: a point is then exact to a few thousandths of its edge.
 const HALVINGS: u32 = 18;
 
 impl<'a> EvenRoots<'a> {
     pub(crate) fn new(scalp: &'a Scalp, dice: Dice) -> Self {
-        Self { scalp, dice, spread: scalp.spread() }
+        Self { scalp, dice, seed: dice.bits(0, 0), spread: scalp.spread() }
     }
 
     /// Number of list entries needed for one point per cm2, in cm2: the region's area, with a soft triangle counted by
@@ -43,25 +58,60 @@ impl<'a> EvenRoots<'a> {
         if ratio.is_finite() { ratio.clamp(1.0, 10_000.0) as u32 } else { 1 }
     }
 
-    /// Position of the `i`-th entry along the line, in 2^-32 of it. Entries close on the line are close on the scalp.
+    /// Position of the `i`-th entry in a row of all triangles, in 2^-32 of it. Entries close in the row are close on the scalp.
     #[inline]
     pub(crate) fn along(&self, i: u32) -> u32 {
-        scrambled(i, self.dice.bits(0, 0))
+        let Some(dealt) = self.spread.deal(i, self.seed) else { return 0 };
+        let [start, length] = dealt.row;
+        let within = f64::from(self.fraction(&dealt)) * (1.0 / 4_294_967_296.0);
+        ((start + length * within) * 4_294_967_296.0) as u32
+    }
+
+    /// Where in its triangle an entry lies, in 2^-32.
+    #[inline]
+    fn fraction(&self, dealt: &Dealt) -> u32 {
+        scrambled(dealt.nth as u32, self.seed ^ dealt.name)
     }
 
     /// The `i`-th entry; `None` if the soft edge of the region drops it, or without a region.
-    pub(crate) fn get(&self, i: u32) -> Option<(u32, Vec2)> {
-        let (triangle, fraction) = self.spread.place(self.along(i))?;
-        let bary = within((fraction * f64::from(1u32 << HALVINGS)) as u32);
+    pub(crate) fn get(&self, i: u32) -> Option<EvenRoot> {
+        self.at(&self.spread.deal(i, self.seed)?)
+    }
+    fn at(&self, dealt: &Dealt) -> Option<EvenRoot> {
+        let bary = within(self.fraction(dealt) >> (32 - HALVINGS));
+        let (triangle, name) = (dealt.triangle, curve_id(dealt.name, ON_SKIN, dealt.nth));
         let share = self.scalp.grows(triangle, bary) / self.scalp.highest(triangle);
-        (share >= 1.0 || self.dice.unit(1, u64::from(i)) < share).then_some((triangle, bary))
+        let kept = share >= 1.0 || self.dice.unit(1, name) < share;
+        kept.then_some(EvenRoot { name, triangle, bary })
     }
 
-    /// [`Self::get`] bound to the scalp; `None` on the bare skin of a parting.
-    pub(crate) fn root(&self, i: u32) -> Option<Root> {
-        let (triangle, bary) = self.get(i)?;
+    /// Places that come by chance, between `from` and `to` of them for each cm2: in a triangle as many as its area is worth,
+    /// one after the other. Each has its room, the cm2 for each of those that are there with it, and they come in the order of
+    /// these. Unlike the list, what one triangle has hangs from no other, so few changes of a mesh change few of them.
+    pub(crate) fn by_chance(&self, from: f64, to: f64) -> Vec<(f32, EvenRoot)> {
+        let surface = self.scalp.surface();
+        let mut all = vec![];
+        for (triangle, name) in self.spread.triangles() {
+            let area = 0.5 * surface.area_vector(triangle).length() * self.scalp.highest(triangle);
+            let (from, to) = (from * f64::from(area), to * f64::from(area));
+            for nth in from as u64..=to as u64 {
+                let come = nth as f64 + unit(self.dice.bits(name, nth));
+                if from < come && come <= to {
+                    let dealt = Dealt { triangle, name, nth, row: [0.0; 2] };
+                    let room = (f64::from(area) / come) as f32;
+                    all.extend(self.at(&dealt).map(|root| (room, root)));
+                }
+            }
+        }
+        all.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.name.cmp(&b.1.name)));
+        all
+    }
+
+    /// [`Self::get`] bound to the scalp, with its name; `None` on the bare skin of a parting.
+    pub(crate) fn root(&self, i: u32) -> Option<(u64, Root)> {
+        let EvenRoot { name, triangle, bary } = self.get(i)?;
         let root = self.scalp.root(triangle, bary);
-        self.scalp.is_free(&root).then_some(root)
+        self.scalp.is_free(&root).then_some((name, root))
     }
 }
 
@@ -116,22 +166,21 @@ static CORNERS: [[[f32; 2]; 3]; PARTS as usize] = {
     corners
 };
 
-/// Entries of the list with a minimum distance: those too close to an earlier one are dropped. The distance shrinks
-/// along the list, so every prefix is even and a higher count only adds. It depends on the entry's index only, so that
-/// taking an entry affects only its neighbourhood.
+/// Places with a minimum distance: those too close to an earlier one are dropped. The distance shrinks with the room of each,
+/// so every prefix is even and a higher count only adds. It depends on the place alone, so that taking one affects only its
+/// neighbourhood.
 pub(crate) struct Apart {
     taken: Vec<Vec3>,
     area: f32,
     least: f32,
-    /// Size of the cells, and indices of the entries in each, rebuilt as the distance shrinks.
+    /// Size of the cells, and indices of the places in each, rebuilt as the distance shrinks.
     cell: f32,
     cells: std::collections::BTreeMap<[i32; 3], Vec<u32>>,
     refused: u32,
 }
 
-/// The `i`-th entry stays this many times `sqrt(area / i)` away from earlier ones. About one in eleven is then taken,
-/// nine tenths of these are 0.68 to 1.0 times `sqrt(area / taken)` from the next, and no hole is wider than twice that.
-/// (A larger factor makes the list longer and hardly more even: at 3, one in twenty and 0.70.)
+/// A place stays this many times the root of its room away from earlier ones. About one in eleven is then taken, and these
+/// are 0.66 to 1.0 times `sqrt(area / taken)` from the next. (A larger factor needs more places and is hardly more even.)
 const SPREAD: f32 = 2.2;
 /// Consecutive rejections at the smallest distance before giving up.
 const PATIENCE: u32 = 960;
@@ -145,9 +194,9 @@ impl Apart {
     pub(crate) fn full(&self) -> bool {
         self.refused > PATIENCE
     }
-    /// Takes the `i`-th entry unless an earlier one is too close. Entries must come in order.
-    pub(crate) fn take(&mut self, i: u32, p: Vec3) -> bool {
-        let even = SPREAD * (self.area / (i as f32 + 1.0)).sqrt();
+    /// Takes a place with this room (cm2) unless an earlier one is too close. Places must come in the order of their rooms.
+    pub(crate) fn take(&mut self, room: f32, p: Vec3) -> bool {
+        let even = SPREAD * room.min(self.area).sqrt();
         let apart = even.max(self.least);
         // Cells about as wide as the search radius.
         let wide = apart.max(1e-3);
@@ -212,7 +261,7 @@ mod tests {
         let scalp = ball();
         let roots = EvenRoots::new(&scalp, Dice::new(1, 2, "roots"));
         for n in [500u32, 5_000, 50_000] {
-            let all: Vec<Root> = (0..n).filter_map(|i| roots.root(i)).collect();
+            let all: Vec<Root> = (0..n).filter_map(|i| roots.root(i)).map(|r| r.1).collect();
             assert!(all.len() as f32 > 0.95 * n as f32, "{n}: {}", all.len());
             // Twelve equal slices in height times six in azimuth of the upper half ball (its border row is soft).
             let mut counts = [[0u32; 6]; 8];
@@ -240,9 +289,11 @@ mod tests {
         for n in [500u32, 3000, 20_000] {
             // Discs of 20 roots, away from the border; chance has a variance of 20.
             let reach = (20.0 * roots.area() as f32 / n as f32 / std::f32::consts::PI).sqrt();
-            let all: Vec<Vec3> = (0..n).filter_map(|i| roots.root(i)).map(|r| r.point).collect();
-            let inner =
-                (0..700).filter_map(|i| discs.root(i)).filter(|at| at.point.y > 1.0 + reach);
+            let all: Vec<Vec3> = (0..n).filter_map(|i| roots.root(i)).map(|r| r.1.point).collect();
+            let inner = (0..700)
+                .filter_map(|i| discs.root(i))
+                .map(|r| r.1)
+                .filter(|at| at.point.y > 1.0 + reach);
             let count = |at: Root| {
                 all.iter().filter(|p| p.distance_squared(at.point) < reach * reach).count() as f32
             };
@@ -260,13 +311,14 @@ mod tests {
         let roots = EvenRoots::new(&scalp, Dice::new(1, 2, "roots"));
         for n in [40usize, 300, 3000] {
             let mut apart = Apart::new(roots.area() as f32, 0.0);
-            let mut i = 0;
-            while apart.taken.len() < n && !apart.full() {
-                if let Some(root) = roots.root(i) {
-                    apart.take(i, root.point);
+            let mut tried = 0;
+            for (room, root) in roots.by_chance(0.0, 20.0 * n as f64 / roots.area()) {
+                if apart.taken.len() < n {
+                    tried += 1;
+                    apart.take(room, scalp.root(root.triangle, root.bary).point);
                 }
-                i += 1;
             }
+            assert_eq!(apart.taken.len(), n, "of {tried}");
             let even = (roots.area() as f32 / n as f32).sqrt();
             let nearest = apart
                 .taken
@@ -277,8 +329,8 @@ mod tests {
                     others.map(|(_, q)| p.distance(*q)).fold(f32::MAX, f32::min)
                 })
                 .fold(f32::MAX, f32::min);
-            assert!(nearest > 0.6 * even, "{n}: {nearest} of {even}, {i} tried");
-            assert!((i as usize) < 16 * n, "{n}: {i} tried");
+            assert!(nearest > 0.6 * even, "{n}: {nearest} of {even}, {tried} tried");
+            assert!(tried < 16 * n, "{n}: {tried} tried");
         }
     }
 }

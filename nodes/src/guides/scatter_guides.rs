@@ -5,7 +5,7 @@
 //! along the parting, and ends at a corner with no way out. A parting removes the guides that would root in it and no
 //! others. Not promised: that guides stay clear of each other.
 
-use super::even_roots::{Apart, EvenRoots};
+use super::even_roots::{Apart, EvenRoot, EvenRoots};
 use crate::data::attributes::{
     DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
@@ -114,7 +114,7 @@ choice! {
 }
 
 /// Candidates tried per requested guide before giving up.
-const TRIES: u32 = 200;
+const TRIES: f64 = 200.0;
 /// Height of guides above the skin, cm.
 const CLEARANCE: f32 = 0.02;
 /// Growth steps between two points of a guide.
@@ -133,8 +133,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
     let grower = Grower { scalp, skin, inputs: &inputs, unit: cx.unit() };
     let key = |i: usize| {
-        let (index, root) = &roots[i];
-        KeyBuilder::new("guide").int(u64::from(*index)).vec3(root.point).vec3(root.normal).finish()
+        let (name, root) = &roots[i];
+        KeyBuilder::new("guide").int(*name).vec3(root.point).vec3(root.normal).finish()
     };
     let size = Size::of(&[("guides", roots.len() as f64), ("points", inputs.points as f64)]);
     let [curves] = cx.each_item(roots.len(), &size, key, |i, piece| {
@@ -163,8 +163,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Roots with their index in the list of even roots.
-fn roots(cx: &EvalCx, inputs: &Inputs) -> Result<Vec<(u32, Root)>, NodeError> {
+/// Even roots with their names.
+fn roots(cx: &EvalCx, inputs: &Inputs) -> Result<Vec<(u64, Root)>, NodeError> {
     let scalp = &*inputs.scalp;
     let even = EvenRoots::new(scalp, cx.dice(inputs.seed, "roots"));
     let wanted = match inputs.by {
@@ -177,36 +177,45 @@ fn roots(cx: &EvalCx, inputs: &Inputs) -> Result<Vec<(u32, Root)>, NodeError> {
     }
     let keep = cx.dice(inputs.seed, "mask");
     let mut apart = Apart::new(even.area() as f32, inputs.min_distance);
-    let mut out: Vec<(u32, Root)> = vec![];
-    // Masks are read for many candidates at a time.
-    const BATCH: u32 = 1024;
-    let last = (wanted as u32).saturating_mul(TRIES).max(BATCH);
-    let last = last.saturating_mul(even.places_for_one());
-    let (mut start, mut skipped) = (0, 0.0f32);
-    while (out.len() as f32 + skipped) < wanted as f32 && start < last && !apart.full() {
-        cx.check()?;
-        let root = |i: u32| even.get(i).map(|(triangle, bary)| (i, scalp.root(triangle, bary)));
-        let batch: Vec<(u32, Root)> = (start..start + BATCH).filter_map(root).collect();
-        let tuft = bound(&batch, inputs.seed);
-        let mask = inputs.mask.on(&tuft, Some(scalp))?;
-        for (slot, (i, root)) in batch.into_iter().enumerate() {
-            if (out.len() as f32 + skipped) >= wanted as f32 {
+    let mut out: Vec<(u64, Root)> = vec![];
+    // Masks are read for many candidates at a time; the most that are looked for at once.
+    const BATCH: usize = 1024;
+    const MOST: f64 = 262_144.0;
+    let most = (wanted.max(8) as f64) * TRIES * f64::from(even.places_for_one());
+    let (mut from, last) = (0.0, most / even.area());
+    let mut skipped = 0;
+    while out.len() + skipped < wanted && from < last && !apart.full() {
+        let more = (0.5 * from * even.area()).clamp(BATCH as f64, MOST);
+        let to = last.min(from + more / even.area());
+        for candidates in even.by_chance(from, to).chunks(BATCH) {
+            cx.check()?;
+            if out.len() + skipped >= wanted || apart.full() {
                 break;
             }
-            let share = mask.at(slot, slot, 0.0);
-            // A root in a parting keeps its index, so that moving the parting leaves all others in place.
-            let chosen = keep.unit(u64::from(i), 0) < share && scalp.is_free(&root);
-            if apart.take(i, root.point) {
-                match chosen {
-                    true => out.push((i, root)),
-                    false => skipped += 1.0,
+            let root =
+                |(_, root): &(f32, EvenRoot)| (root.name, scalp.root(root.triangle, root.bary));
+            let batch: Vec<(u64, Root)> = candidates.iter().map(root).collect();
+            let tuft = bound(&batch, inputs.seed);
+            let mask = inputs.mask.on(&tuft, Some(scalp))?;
+            for (slot, ((name, root), (room, _))) in batch.into_iter().zip(candidates).enumerate() {
+                if out.len() + skipped >= wanted || apart.full() {
+                    break;
+                }
+                // A root in a parting keeps its place, so that moving the parting leaves all others in place.
+                let share = mask.at(slot, slot, 0.0);
+                let chosen = keep.unit(name, 0) < share && scalp.is_free(&root);
+                if apart.take(*room, root.point) {
+                    match chosen {
+                        true => out.push((name, root)),
+                        false => skipped += 1,
+                    }
                 }
             }
         }
-        start += BATCH;
+        from = to;
     }
     // (If the region is empty, the head reports it.)
-    if (out.len() as f32 + skipped) < wanted as f32 && even.area() > 0.0 {
+    if out.len() + skipped < wanted && even.area() > 0.0 {
         let min = inputs.min_distance;
         cx.warn(format!("only {} of {wanted} guides fit at {min} cm from each other", out.len()));
     }
@@ -214,10 +223,10 @@ fn roots(cx: &EvalCx, inputs: &Inputs) -> Result<Vec<(u32, Root)>, NodeError> {
 }
 
 /// The roots as curves of one point, for fields to read.
-fn bound(roots: &[(u32, Root)], seed: i64) -> Tuft {
+fn bound(roots: &[(u64, Root)], seed: i64) -> Tuft {
     let mut b = TuftBuilder::even(roots.iter().map(|(_, r)| r.point).collect(), 1);
-    let id = |i: u32| curve_id(0, seed as u64, u64::from(i));
-    b.set(ID, Domain::Curve, roots.iter().map(|(i, _)| id(*i)).collect());
+    let id = |(name, _): &(u64, Root)| curve_id(0, seed as u64, *name);
+    b.set(ID, Domain::Curve, roots.iter().map(id).collect());
     b.set(ROOT_TRIANGLE, Domain::Curve, roots.iter().map(|(_, r)| r.triangle as i32).collect());
     b.set(ROOT_BARY, Domain::Curve, roots.iter().map(|(_, r)| r.bary).collect());
     b.build()

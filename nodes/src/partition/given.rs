@@ -41,8 +41,11 @@ impl Maker<'_> {
     /// A parting as a curve.
     pub(super) fn parting(&self, parting: &Parting) -> Option<Tuft> {
         // It begins where it lies on the scalp.
-        let off =
-            |p: &&Vec3| self.scalp.closest_root(**p).is_none_or(|r| r.point.distance(**p) > 1e-3);
+        let off = |p: &&Vec3| {
+            self.scalp
+                .closest_root(**p)
+                .is_none_or(|r| r.point.distance(**p) > 1e-3 * self.chart.unit())
+        };
         let root = |p: &Vec3| Some(Root { point: *p, ..self.scalp.closest_root(*p)? });
         let roots: Vec<Root> = parting.points.iter().skip_while(off).filter_map(root).collect();
         if roots.len() < 2 {

@@ -10,9 +10,11 @@ use std::collections::BTreeMap;
 /// is mirrored.)
 pub(crate) struct Hairline {
     pub(crate) line: Polyline,
+    /// Centimetres per head unit.
+    unit: f32,
 }
 
-/// Borders shorter than this are holes in a mesh or a mask, cm.
+/// Borders shorter than this are holes in a mesh or a mask, head units.
 const LEAST: f32 = 8.0;
 
 /// All borders, longest first.
@@ -26,11 +28,11 @@ pub(crate) fn hairlines(scalp: &Scalp) -> Vec<Hairline> {
             points.push(*points.first()?);
             // Removes the staircase of the mesh.
             let even = Polyline::new(points);
-            let n = (even.length() / 0.15).ceil() as usize;
+            let n = (even.length() / (0.15 * chart.unit())).ceil() as usize;
             let mut points = even.evenly(n.max(8));
             filter(&mut points, 24);
             let line = Polyline::new(points);
-            (line.length() > LEAST).then_some(Hairline { line })
+            (line.length() > LEAST * chart.unit()).then_some(Hairline { line, unit: chart.unit() })
         })
         .collect();
     found.sort_by(|a, b| b.line.length().total_cmp(&a.line.length()));
@@ -41,7 +43,8 @@ impl Hairline {
     /// Point and direction at a fraction of its length.
     pub(crate) fn at(&self, part: f32) -> (Vec3, Vec3) {
         let s = part.clamp(0.0, 1.0) * self.line.length();
-        let (a, b) = (self.line.at((s - 0.4).max(0.0)), self.line.at(s + 0.4));
+        let about = 0.4 * self.unit;
+        let (a, b) = (self.line.at((s - about).max(0.0)), self.line.at(s + about));
         (self.line.at(s), (b - a).normalize_or(Vec3::X))
     }
 }

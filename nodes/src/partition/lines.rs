@@ -49,9 +49,10 @@ pub(crate) fn fine(chart: &Chart, points: &[Vec2]) -> Vec<Vec2> {
 /// Points of a map line on the scalp, close and even enough that a spline through them is the line that hair keeps off.
 /// Over skin that is too rough or thin, such as the modeled locks of a scan, the line runs straight on.
 pub(crate) fn laid(scalp: &Scalp, chart: &Chart, line: &[Vec2]) -> Vec<Vec3> {
-    /// Spacing of its points, and the largest distance between scalp and smooth line, cm.
+    /// Spacing of its points, and the largest distance between scalp and smooth line, head units.
     const STEP: f32 = 0.06;
     const ROUGH: f32 = 0.008;
+    let (step, rough) = (STEP * chart.unit(), ROUGH * chart.unit());
     let down = |points: &[Vec3]| -> Vec<Vec3> {
         points.iter().filter_map(|p| Some(scalp.closest_root(*p)?.point)).collect()
     };
@@ -66,42 +67,43 @@ pub(crate) fn laid(scalp: &Scalp, chart: &Chart, line: &[Vec2]) -> Vec<Vec3> {
     if points.len() < 2 {
         return points;
     }
-    let mut points = down(&evenly(points, STEP));
+    let mut points = down(&evenly(points, step));
     for _ in 0..2 {
-        points = evenly(points, 0.5 * STEP);
+        points = evenly(points, 0.5 * step);
         filter(&mut points, 8);
-        points = evenly(points, STEP);
+        points = evenly(points, step);
         for p in &mut points {
             let Some(on) = scalp.closest_root(*p).map(|root| root.point) else { continue };
-            let smooth = (2.0 - 2.0 * p.distance(on) / ROUGH).clamp(0.0, 1.0);
+            let smooth = (2.0 - 2.0 * p.distance(on) / rough).clamp(0.0, 1.0);
             *p = p.lerp(on, smooth);
         }
     }
     // Projected points are uneven beside folds, and other programs would read them as another line.
-    evenly(points, STEP)
+    evenly(points, step)
 }
 
 /// Makes a line uneven. Tied ends stay in place.
 pub(crate) fn uneven(chart: &Chart, line: &mut Flat, how: &Uneven) {
     let total = lengths(chart, line.points.iter().copied()).last().copied().unwrap_or(0.0);
-    if line.points.len() < 2 || total < 0.5 {
+    let unit = chart.unit();
+    if line.points.len() < 2 || total < 0.5 * unit {
         return;
     }
     let zigzag = how.amplitude > 0.0 && line.row;
     // A whole number of halves, so that a closed line closes and an open one starts and ends on itself.
-    let halves = (2.0 * total / how.period.max(0.1)).round().max(2.0);
+    let halves = (2.0 * total / how.period.max(0.1 * unit)).round().max(2.0);
     let halves = if line.closed { (halves * 0.5).ceil() * 2.0 } else { halves };
-    let each = ((total / halves / 0.15).ceil() * 2.0).clamp(2.0, 64.0);
-    let n = if zigzag { halves * each } else { (total / 0.15).ceil().clamp(4.0, 2048.0) };
+    let each = ((total / halves / (0.15 * unit)).ceil() * 2.0).clamp(2.0, 64.0);
+    let n = if zigzag { halves * each } else { (total / (0.15 * unit)).ceil().clamp(4.0, 2048.0) };
     let base = evenly(chart, &line.points, n as usize);
     let phase = [0, 1, 2].map(|k| how.dice.unit(line.id, k));
-    // A hand-drawn line strays slowly: in waves of 7, 4 and 2.6 cm, whole ones on a closed line.
-    let waves = [7.0, 4.0, 2.6].map(|wave| (total / wave).round().max(1.0));
+    // A hand-drawn line strays slowly: in waves of 7, 4 and 2.6 head units, whole ones on a closed line.
+    let waves = [7.0, 4.0, 2.6].map(|wave| (total / (wave * unit)).round().max(1.0));
     let last = base.len() - 1;
     let moved = (0..=last).map(|k| {
         let part = k as f32 / last as f32;
-        // Where lines meet, it grows over one centimetre.
-        let from = |tied: bool, s: f32| if tied { (s * total).min(1.0) } else { 1.0 };
+        // Where lines meet, it grows over one head unit.
+        let from = |tied: bool, s: f32| if tied { (s * total / unit).min(1.0) } else { 1.0 };
         let near_end = from(line.tied[0], part).min(from(line.tied[1], 1.0 - part));
         let mut off = 0.0;
         if zigzag {
@@ -135,8 +137,8 @@ fn aside(chart: &Chart, q: Vec2, way: Vec2, off: f32) -> Vec2 {
     let here = spread.direction(q);
     let along = spread.direction(q + step) - spread.direction(q - step);
     let left = here.cross(along).normalize_or_zero();
-    let out = crate::data::chart::cell_of(q).map_or(1.0, |cell| chart.out(cell));
-    spread.flat_direction(here + left * (off / out.max(1e-3)))
+    let out = crate::data::chart::cell_of(q).map_or(chart.unit(), |cell| chart.out(cell));
+    spread.flat_direction(here + left * (off / out.max(1e-3 * chart.unit())))
 }
 
 /// State of a line's end.
@@ -157,12 +159,13 @@ pub(crate) fn end(
     [join, farthest]: [f32; 2],
 ) -> LineEnd {
     let Some(tip) = points.last().copied() else { return LineEnd::Loose };
-    let per_cm = CELL / chart.stretch(tip, Vec2::new(CELL, 0.0)).max(1e-6);
+    let per_cm = CELL / chart.stretch(tip, Vec2::new(CELL, 0.0)).max(1e-6 * chart.unit());
     let reach = join * per_cm;
     let far = farthest * per_cm;
     let near: Vec<&[Vec2]> = near(others, tip, 2.0 * far, 0.0);
     // A line that ends on this one does not end this one.
-    let through: Vec<&[Vec2]> = self::near(others, tip, 2.0 * reach, 3.0 * OVER * per_cm);
+    let through: Vec<&[Vec2]> =
+        self::near(others, tip, 2.0 * reach, 3.0 * OVER * chart.unit() * per_cm);
     let all: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
     let (mut walked, mut last) = (0.0, None);
     for k in (1..points.len()).rev() {
@@ -177,7 +180,7 @@ pub(crate) fn end(
         walked += a.distance(b);
     }
     // Slightly past the other line: enough that no path leads through between.
-    let over = OVER * per_cm;
+    let over = OVER * chart.unit() * per_cm;
     if let Some((k, t)) = last {
         let (a, b) = (points[k - 1], points[k]);
         points.truncate(k);
@@ -210,7 +213,7 @@ pub(crate) fn end(
     LineEnd::Met
 }
 
-/// How far a line continues past one that it meets, cm.
+/// How far a line continues past one that it meets, head units.
 const OVER: f32 = 0.02;
 
 /// The segments of lines near a point, without those that end within `tip` of their line's end.

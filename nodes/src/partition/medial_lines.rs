@@ -5,7 +5,7 @@
 //! line itself make the result independent of the initial points.
 
 use crate::data::chart::{CELL, CELLS, Chart, around, cell_of};
-use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
+use crate::data::scalp::{Root, Scalp};
 use crate::data::sections::{NONE, Sections};
 use crate::maths::polyline::{Polyline, filter};
 use crate::maths::transcendental::sin_cos_turns;
@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Spacing of the points of centre lines, cm.
+/// Spacing of the points of centre lines, head units.
 const STEP: f32 = 0.5;
 
 /// The cells of every section.
@@ -40,16 +40,17 @@ pub(crate) fn line(
     let first = farthest(chart, sections, section, from)?.0;
     let (second, far) = farthest(chart, sections, section, first)?;
     let reach = far[second as usize];
-    if reach < 2.0 * STEP {
+    let step = STEP * chart.unit();
+    if reach < 2.0 * step {
         return None;
     }
-    let bands = ((reach / STEP).ceil() as usize).clamp(3, 200);
+    let bands = ((reach / step).ceil() as usize).clamp(3, 200);
     let mut points = centres(cells, chart, bands, |cell| far[cell as usize] / reach);
     for _ in 0..3 {
         filter(&mut points, 4);
         let line = Polyline::new(points);
         // Cells past the line's ends would pull the ends aside.
-        let even = line.evenly(bands.min((line.length() / STEP).ceil() as usize + 2));
+        let even = line.evenly(bands.min((line.length() / step).ceil() as usize + 2));
         let n = even.len() as f32;
         points = centres(cells, chart, even.len(), |cell| {
             let p = spots[cell as usize].point;
@@ -174,7 +175,7 @@ pub(crate) fn from_the_hairline(
         let p = chart.spots()[cell].point;
         // Closer to bare skin than to any line.
         let line = sections.at(p).map_or(0.0, |place| place.distance);
-        let reach = (line / (CELL * HEAD_RADIUS)).ceil() + 6.0;
+        let reach = (line / (CELL * scalp.frame().radius)).ceil() + 6.0;
         let ring = (0..16).any(|k| {
             let (s, c) = sin_cos_turns(k as f32 / 16.0);
             chart.grows(q + Vec2::new(s, c) * (reach * CELL)) == 0.0

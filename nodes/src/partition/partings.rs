@@ -227,7 +227,7 @@ fn on_the_mesh(cx: &EvalCx, inputs: &Inputs, partings: &mut Vec<Parting>) -> Res
     }
     for (id, spline) in by_hand(cx, inputs) {
         cx.check()?;
-        let n = ((spline.length() / (0.1 * cx.unit())).ceil() as usize).clamp(16, 4096);
+        let n = ((spline.length() / (0.1 * scalp.frame().unit())).ceil() as usize).clamp(16, 4096);
         let mut points = Vec::with_capacity(n + 1);
         spline.resample(n, |p| points.extend(scalp.closest_root(p).map(|root| root.point)));
         if is_closed(&spline, inputs.join) {
@@ -299,7 +299,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, part: &[bool]) -> Result<PatternLines, No
     let chart = scalp.chart();
     let mut drawn = PatternLines::default();
     for (id, spline) in by_hand(cx, inputs) {
-        let n = ((spline.length() / 0.2).ceil() as usize).clamp(2, 4096);
+        let n = ((spline.length() / (0.2 * chart.unit())).ceil() as usize).clamp(2, 4096);
         let mut points = Vec::with_capacity(n);
         spline.resample(n, |p| points.push(chart.flat(p)));
         let closed = is_closed(&spline, inputs.join);
@@ -366,7 +366,7 @@ fn gathered_to(inputs: &Inputs, scalp: &Scalp) -> Vec3 {
     scalp.space().direction(inputs.centre).unwrap_or(Vec3::Y)
 }
 
-/// How far a pattern line is extended, cm.
+/// How far a pattern line is extended, head units.
 const FARTHEST: f32 = 4.0;
 
 /// Ends lines where they meet: rows first, then the lines that cut rows. Rows twice, since the line that one was ended
@@ -393,9 +393,9 @@ fn bring_together(
                 .chain(mine.map(|(_, line)| line.points.as_slice()))
                 .collect();
             // Lines that cut a row extend past it by a fraction of the row, which may be more.
-            let join = if rows { join } else { join.max(2.0) };
+            let join = if rows { join } else { join.max(2.0 * chart.unit()) };
             // Pattern lines are extended until they meet something.
-            let reach = if lines[i].by_hand { join } else { join.max(FARTHEST) };
+            let reach = if lines[i].by_hand { join } else { join.max(FARTHEST * chart.unit()) };
             let mut loose = 0;
             let [first, last_tied] = lines[i].tied;
             for tied in [last_tied, first] {

@@ -93,7 +93,7 @@ struct Family<'a> {
 const BINS: usize = 720;
 /// A line shorter than this fraction of the longest is dropped.
 const SHORT: f32 = 0.3;
-/// A piece of line shorter than this is dropped, cm.
+/// A piece of line shorter than this is dropped, head units.
 const STUB: f32 = 1.0;
 /// Rings: radius of the innermost section, in rows.
 const CAP: f32 = 0.55;
@@ -237,7 +237,7 @@ impl Family<'_> {
             last.extend(runs.remove(0).into_iter().skip(1).map(|(q, a)| (q, a + TAU)));
             runs.push(last);
         }
-        runs.retain(|run| self.length(run) > STUB);
+        runs.retain(|run| self.length(run) > STUB * self.frame.unit());
         runs.into_iter().map(|run| (run, false)).collect()
     }
     fn length(&self, run: &[(Vec2, f32)]) -> f32 {

@@ -364,18 +364,18 @@ impl Gatherer<'_> {
 
     /// Roots by index in the list of even roots.
     fn rooted(&self, which: std::ops::Range<u32>) -> Result<Vec<Rooted>, NodeError> {
-        let found: Vec<(u32, Root)> = which.filter_map(|i| Some((i, self.even.root(i)?))).collect();
+        let found: Vec<(u64, Root)> = which.filter_map(|i| self.even.root(i)).collect();
         let mut b = TuftBuilder::even(found.iter().map(|(_, r)| r.point).collect(), 1);
         b.set(ROOT_TRIANGLE, Domain::Curve, found.iter().map(|(_, r)| r.triangle as i32).collect());
         b.set(ROOT_BARY, Domain::Curve, found.iter().map(|(_, r)| r.bary).collect());
         let tuft = b.build();
         let mask = self.inputs.mask.on(&tuft, Some(self.scalp))?;
         let mut out = Vec::with_capacity(found.len());
-        for (slot, (i, root)) in found.into_iter().enumerate() {
-            if self.keep.unit(u64::from(i), 0) < mask.at(slot, slot, 0.0)
+        for (slot, (name, root)) in found.into_iter().enumerate() {
+            if self.keep.unit(name, 0) < mask.at(slot, slot, 0.0)
                 && let Some((tie, place)) = self.tie_of(&root)
             {
-                let id = curve_id(self.ties[tie].tie.id, self.inputs.seed as u64, u64::from(i));
+                let id = curve_id(self.ties[tie].tie.id, self.inputs.seed as u64, name);
                 self.edge(id, &root, tie, &mut out);
                 out.push(Rooted { id, root, tie, place });
             }

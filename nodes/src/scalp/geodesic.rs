@@ -30,7 +30,7 @@ pub(crate) struct Over {
 const SEEDS: i32 = 4;
 /// Cost of paths where no hair grows: through the base of an ear they are then no shorter than around it.
 const BARE: f32 = 4.0;
-/// Parts of a row higher than this above the scalp (cm) have left it.
+/// Parts of a row higher than this above the scalp (head units) have left it.
 const HIGH: f32 = 2.0;
 
 impl Over {
@@ -84,12 +84,13 @@ impl Over {
     /// Distance of a point of the scalp from the row, cm, given its straight distance.
     pub(crate) fn at(&self, chart: &Chart, p: Vec3, straight: f32) -> f32 {
         // Next to the row, the straight distance is the distance over the skin.
-        if straight < NEAR {
+        if straight < NEAR * chart.unit() {
             return straight;
         }
         let at = (chart.flat(p) - chart::middle(0)) / chart::CELL;
         let corner = at.floor();
         let t = at - corner;
+        let beside = BESIDE * chart.unit();
         let (mut sum, mut all, mut on_map) = (0.0, 0.0, false);
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
             let q = corner + Vec2::new(dx, dy);
@@ -99,7 +100,7 @@ impl Over {
             let (x, y) = (q.x as usize, q.y as usize);
             let spot = &chart.spots()[y * CELLS + x];
             // Skin above the map's, such as the back of an ear, is not on the map.
-            if spot.area > 0.0 && spot.point.distance_squared(p) > BESIDE * BESIDE {
+            if spot.area > 0.0 && spot.point.distance_squared(p) > beside * beside {
                 continue;
             }
             on_map = true;
@@ -122,9 +123,9 @@ impl Over {
     }
 }
 
-/// Points farther than this (cm) from the skin of their cells are not on the map.
+/// Points farther than this (head units) from the skin of their cells are not on the map.
 const BESIDE: f32 = 2.0;
-/// Below this distance (cm), straight distances equal those over the skin.
+/// Below this distance (head units), straight distances equal those over the skin.
 const NEAR: f32 = 0.4;
 
 fn grows(chart: &Chart, cell: usize) -> bool {
@@ -147,7 +148,7 @@ fn seeds(line: &[Vec3], chart: &Chart) -> BTreeMap<u32, f32> {
             let off = chart.spots()[cell].point - piece[0];
             let t = (off.dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
             let d = off.distance(along * t);
-            if d < HIGH {
+            if d < HIGH * chart.unit() {
                 let known = seeds.entry(cell as u32).or_insert(f32::MAX);
                 *known = known.min(d);
             }

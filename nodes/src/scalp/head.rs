@@ -456,30 +456,34 @@ fn scale(
     match (stated, fit) {
         (Some(cm), None) => cm,
         (Some(cm), Some(_)) if believed(cm) => cm,
-        (Some(cm), Some(fit)) => {
-            let (factor, wrong) = (HEAD_RADIUS / fit.radius, fit.radius * cm);
-            cx.warn(format!(
-                "the file's units give the cranium a radius of {wrong:.3} cm, a person's has 6 to 12 cm: \
-                 it was scaled to {HEAD_RADIUS} cm (custom scale {factor})"
-            ));
-            factor
-        }
-        (None, Some(fit)) => match fit::unit_of_radius(fit.radius) {
-            Some((cm, name)) => {
-                cx.remark(format!(
+        (stated, Some(fit)) => {
+            let wrong = stated.map(|cm| {
+                let radius = fit.radius * cm;
+                format!("the file's units give the cranium a radius of {radius:.3} cm, a person's has 6 to 12 cm: ")
+            });
+            let known = fit::unit_of_radius(fit.radius);
+            match (wrong, known) {
+                (None, Some((_, name))) => cx.remark(format!(
                     "the file states no units; by the size of the cranium they are {name}"
-                ));
-                cm
+                )),
+                (Some(wrong), Some((_, name))) => {
+                    cx.warn(format!(
+                        "{wrong}by its size the units are {name}, and so they were read"
+                    ));
+                }
+                (wrong, None) => {
+                    let factor = HEAD_RADIUS / fit.radius;
+                    let why = wrong.unwrap_or_else(|| {
+                        "the file states no units and none makes the cranium a person's: "
+                            .to_owned()
+                    });
+                    cx.warn(format!(
+                        "{why}it was scaled to {HEAD_RADIUS} cm (custom scale {factor})"
+                    ));
+                }
             }
-            None => {
-                let factor = HEAD_RADIUS / fit.radius;
-                cx.warn(format!(
-                    "the file states no units and none makes the cranium a person's: it was scaled to \
-                     {HEAD_RADIUS} cm (custom scale {factor})"
-                ));
-                factor
-            }
-        },
+            known.map_or(HEAD_RADIUS / fit.radius, |(cm, _)| cm)
+        }
         (None, None) => {
             let first = points.first().copied().unwrap_or_default();
             let ends = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));

@@ -23,6 +23,8 @@ mod parts;
 #[cfg(test)]
 mod posed_heads;
 pub(crate) mod region;
+#[cfg(test)]
+mod same_skin;
 mod scalp_projection;
 mod sketch;
 pub(crate) mod territory;

@@ -161,7 +161,7 @@ pub(crate) fn farthest<'r>(
     let far = spots.filter(|(cell, _)| counts(*cell)).map(|(_, spot)| {
         rows.clone().fold(f32::MAX.sqrt(), |d, row| row.distance_under(spot.point, d))
     });
-    1.5 * far.fold(0.0, f32::max) + 2.0
+    1.5 * far.fold(0.0, f32::max) + 2.0 * scalp.chart().unit()
 }
 
 /// One in this many cells of the map is sampled for its distance from all rows.

@@ -17,13 +17,13 @@ use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// Hair this high off the skin passes over partings; what is lower than half of it lies on the skin, cm.
-pub(crate) const FREE: f32 = 0.7;
-/// Beyond this (cm) a cell's own distance tells that no parting is near a point in it: its diagonal, and a half more.
+/// Hair this high off the skin passes over partings; what is lower than half of it lies on the skin, head units.
+const FREE: f32 = 0.7;
+/// Beyond this (head units) a cell's own distance tells that no parting is near a point in it: its diagonal, and a half more.
 const NEAR: f32 = 0.24;
 /// A piece of hair nearer to a parting than such a share of half its bare skin touches it.
 const TOUCHING: f32 = 0.5;
-/// Skin without hair so far (cm) from any parting is no other section's.
+/// Skin without hair so far (head units) from any parting is no other section's.
 const BEYOND: f32 = 1.0;
 /// Hair over a fold that comes nearer to a parting than such a share of half its bare skin counts as on its other side.
 const BESIDE: f32 = 0.3;
@@ -67,6 +67,11 @@ impl Scalp {
 }
 
 impl Home<'_> {
+    /// So many head units in cm.
+    fn cm(&self, units: f32) -> f32 {
+        units * self.scalp.frame().unit()
+    }
+
     /// How far within the section a point of the scalp is, cm: the distance from the nearest parting, negative in other sections.
     fn within(&self, p: Vec3) -> f32 {
         match self.sections.at(p) {
@@ -79,7 +84,7 @@ impl Home<'_> {
     /// Whether a point lies in the section, or so high that it lies in none.
     pub(crate) fn holds(&self, p: Vec3) -> bool {
         self.is_clear(p) || {
-            let hit = self.scalp.skin().closest_within(p, FREE);
+            let hit = self.scalp.skin().closest_within(p, self.cm(FREE));
             hit.is_none_or(|hit| self.within(hit.point) >= 0.0)
         }
     }
@@ -110,11 +115,11 @@ impl Home<'_> {
         let Some(cell) = cell_of(chart.flat(p)) else { return true };
         let height = p.distance(chart.origin()) - chart.out(cell);
         // Off the skin what lies below is told by the skin's slope.
-        let least = self.sections.widest_half() + NEAR + height.abs() + more;
+        let least = self.sections.widest_half() + self.cm(NEAR) + height.abs() + more;
         let least = match self.sections.label(cell) {
             own if own == self.number => least,
             // Forehead and neck.
-            NONE => least.max(BEYOND + height.abs() + more),
+            NONE => least.max(self.cm(BEYOND) + height.abs() + more),
             _ => return false,
         };
         self.sections.clear(cell) > least
@@ -151,13 +156,13 @@ impl Home<'_> {
         }
         let (surface, skin) = (self.scalp.surface(), self.scalp.skin());
         // Most hair hangs far from any skin, where a search takes longest.
-        if skin.stands_off(p, FREE) {
+        if skin.stands_off(p, self.cm(FREE)) {
             return Some(p);
         }
         let hit = skin.foot(p, near)?;
         let height = skin.height_over(p, &hit);
         // From half of it on, hair rises off the skin.
-        let lying = (2.0 * (1.0 - height / FREE)).clamp(0.0, 1.0);
+        let lying = (2.0 * (1.0 - height / self.cm(FREE))).clamp(0.0, 1.0);
         if lying == 0.0 {
             return Some(p);
         }
@@ -171,7 +176,7 @@ impl Home<'_> {
             let within = self.within(at);
             let Some(([a, b], bare)) = self.sections.nearest_piece(at) else { return Some(at) };
             // On forehead and neck there is no section to be brought back to where no parting is near.
-            let beyond = within < -BEYOND && self.sections.at(at).is_none();
+            let beyond = within < -self.cm(BEYOND) && self.sections.at(at).is_none();
             if within >= bare || beyond {
                 return Some(at);
             }
@@ -184,10 +189,10 @@ impl Home<'_> {
             let normal = surface.smooth_normal(hit.triangle, hit.bary);
             let aside = along.cross(normal).normalize_or_zero();
             let mut away = (at - on_line).reject_from_normalized(normal);
-            away = match within.abs() > 0.02 {
+            away = match within.abs() > self.cm(0.02) {
                 true => away.normalize_or_zero() * within.signum(),
                 // On the line itself the way home is that of its two sides which leads there.
-                false => match self.within(on_line + aside * 0.05) > 0.0 {
+                false => match self.within(on_line + aside * self.cm(0.05)) > 0.0 {
                     true => aside,
                     false => -aside,
                 },
@@ -211,7 +216,7 @@ impl Home<'_> {
             return true;
         }
         let skin = self.scalp.skin();
-        let below = |p: Vec3| skin.closest_within(p, FREE).map(|hit| hit.point);
+        let below = |p: Vec3| skin.closest_within(p, self.cm(FREE)).map(|hit| hit.point);
         let (Some(a), Some(b)) = (below(from), below(to)) else { return false };
         // On a bent scalp the straight piece does not lie over the straight way between its ends, so that its middle may touch a
         // corner of a line that the way passes.

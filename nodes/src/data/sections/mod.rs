@@ -23,7 +23,7 @@ use crate::maths::drawn_span::bent;
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
 pub use handle::Sections;
-pub(super) use naming::ids;
+pub(super) use naming::{CONTACT, ids};
 pub use naming::{Names, named_points};
 
 /// A parting line on the scalp.
@@ -69,7 +69,8 @@ pub struct Place {
 
 /// No section; no segment.
 pub const NONE: u32 = u32::MAX;
-/// Skin this much farther out or in than the skin on the map is another layer, such as an ear, and in no section, cm.
+/// Skin this much farther out or in than the skin on the map is another layer, such as an ear, and in no section, head
+/// units.
 const LAYER: f32 = 1.0;
 /// Distance reported where there are no partings, cm.
 pub(super) const FAR: f32 = 1e4;
@@ -190,10 +191,12 @@ impl Sections {
     }
 
     fn place(&self, section: u32, point: Vec3) -> Option<Place> {
-        let q = self.spread().flat(point);
-        if !self.are_of_a_mesh() && (self.spread().out(point) - self.out(cell_of(q)?)).abs() > LAYER
-        {
-            return None;
+        let (spread, q) = (self.spread(), self.spread().flat(point));
+        if !self.are_of_a_mesh() {
+            let off = (spread.out(point) - self.out(cell_of(q)?)).abs();
+            if off > LAYER * spread.unit() {
+                return None;
+            }
         }
         let (distance, i) = self.nearest_at(q, point).unwrap_or((FAR, NONE));
         let bare = self.seen().half_width(i);
@@ -209,15 +212,15 @@ impl Sections {
         self.seen().nearest_at(own, p)
     }
     /// Whether the segment between two points in space crosses a parting, or comes as near to it as the fraction
-    /// `aside` of half its width, at most a quarter of a centimetre off it.
+    /// `aside` of half its width, at most a quarter of a head unit off it.
     pub(crate) fn passed(&self, from: Vec3, to: Vec3, aside: f32) -> bool {
         self.seen().last_passed(2, |k| [from, to][k], aside).is_some()
     }
-    /// The last point of a hair up to which it crosses a parting, at most a quarter of a centimetre off it.
+    /// The last point of a hair up to which it crosses a parting, at most a quarter of a head unit off it.
     pub(crate) fn last_passed(&self, n: usize, hair: impl Fn(usize) -> Vec3) -> Option<usize> {
         self.seen().last_passed(n, hair, 0.0)
     }
-    /// Whether a hair, as it is drawn through its points, crosses a parting, at most a quarter of a centimetre off it.
+    /// Whether a hair, as it is drawn through its points, crosses a parting, at most a quarter of a head unit off it.
     pub(crate) fn is_over_line(&self, hair: &[Vec3]) -> bool {
         self.is_over_line_before(hair, hair.len())
     }

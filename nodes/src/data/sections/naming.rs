@@ -3,15 +3,15 @@
 //! Guarantees: those of [`super`] about ids and names. This is asked once, when a scalp is cut.
 
 use super::{NONE, Section, Sections};
-use crate::data::chart::{around, middle};
+use crate::data::chart::around;
 use crate::data::lines::square_to;
 use crate::data::scalp::Scalp;
 use crate::maths::hash::curve_id;
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A line bounds a section if it runs beside it for at least this long, cm; less is a corner.
-const CONTACT: f32 = 0.3;
+/// A line bounds a section if it runs beside it for at least this long, head units; less is a corner.
+pub(in crate::data) const CONTACT: f32 = 0.3;
 
 impl Sections {
     /// All sections that were cut, and what names mean; adds what there is to report.
@@ -46,21 +46,23 @@ impl Sections {
             sum[slot] += spot.point.as_dvec3() * weight;
             for other in around(cell).take(4) {
                 hairline[slot] |= spots[other].grows == 0.0;
-                if labels[other] == *label {
-                    continue;
-                }
-                let p = middle(cell);
-                let step = spot.point.distance(spots[other].point);
-                for piece in seen.between(cell, other) {
-                    let [a, b] = piece.flat;
-                    let side = (b - a).perp_dot(p - a) >= 0.0;
-                    let line = self.partings()[piece.parting as usize].id;
-                    let entry = beside.entry((*label, line, side)).or_default();
-                    *entry = (entry.0 + step, entry.1 + step * piece.along);
+            }
+        }
+        for piece in (0..).map_while(|number| seen.piece(number)) {
+            let [left, right] = seen.sides(piece);
+            if left == right {
+                continue;
+            }
+            let length = piece.ends[0].distance(piece.ends[1]);
+            let line = self.partings()[piece.parting as usize].id;
+            for (label, side) in [(left, true), (right, false)] {
+                if let Some(label) = label {
+                    let entry = beside.entry((label, line, side)).or_default();
+                    *entry = (entry.0 + length, entry.1 + length * piece.along);
                 }
             }
         }
-        let ids = ids(count, beside, CONTACT);
+        let ids = ids(count, beside, CONTACT * scalp.chart().unit());
         let middles = self.middles(scalp, &sum, &area);
         (0..count)
             .map(|slot| Section {

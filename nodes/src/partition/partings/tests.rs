@@ -539,3 +539,48 @@ fn heads_have_their_region_on_the_map_and_animals_have_not() {
         }
     }
 }
+
+#[test]
+fn a_head_in_any_size_has_the_same_sections_with_the_same_names_and_ids() {
+    let triangles = [
+        ("pattern", Value::from("across")),
+        ("cells", "triangles".into()),
+        ("cell_length", Value::Float(3.0)),
+        ("width", Value::Float(0.2)),
+        ("wobble", Value::Float(0.0)),
+    ];
+    let bricks = [("pattern", Value::from("straight_back")), ("cells", "boxes".into())];
+    let curved = [("pattern", Value::from("curved")), ("cells", "triangles".into())];
+    let rings = [("pattern", Value::from("halo")), ("count", Value::Int(5))];
+    let zigzag = [
+        ("pattern", Value::from("gathered")),
+        ("zigzag", Value::Float(0.4)),
+        ("count", Value::Int(11)),
+    ];
+    let named = |scalp: &Arc<Scalp>, set: &[(&str, Value)]| -> Vec<(u64, String)> {
+        let parted = scalp_of(&part(scalp, set).0[0]);
+        let list = parted.sections().unwrap().list();
+        list.iter().map(|section| (section.id, section.name.clone())).collect()
+    };
+    let check = |at: &dyn Fn(f32) -> Arc<Scalp>, scales: [f32; 3], sets: &[&[(&str, Value)]]| {
+        let heads = scales.map(at);
+        for set in sets {
+            let all = heads.each_ref().map(|scalp| named(scalp, set));
+            assert!(all[0].len() > 4, "{set:?}: {}", all[0].len());
+            for (scale, other) in scales.iter().zip(&all).skip(1) {
+                assert_eq!(other, &all[0], "{set:?} at scale {scale}");
+            }
+        }
+    };
+    let scaled = |scale: f32| [("units", Value::from("custom")), ("scale", Value::Float(scale))];
+    let builtin = |scale: f32| crate::testing::head(&scaled(scale));
+    check(&builtin, [1.0, 0.5, 2.0], &[&triangles, &bricks, &curved, &rings, &zigzag]);
+    let Some(file) = crate::testing::shared_file("sintel/sintel.obj") else {
+        println!("skipped: sizes of sintel need ../shared");
+        return;
+    };
+    let sintel = |scale: f32| {
+        crate::testing::head(&[&[("mesh", Value::File(file.clone()))], &scaled(scale)[..]].concat())
+    };
+    check(&sintel, [100.0, 60.0, 150.0], &[&triangles, &curved]);
+}

@@ -91,6 +91,54 @@ fn real_heads_get_their_units_their_face_and_their_scalp() {
     }
 }
 
+/// A glTF file, whose units are metres by the format, of points that are what they are.
+fn gltf(points: &[Vec3], triangles: &[[u32; 3]]) -> FileData {
+    let mut bytes = bytemuck::cast_slice::<_, u8>(points).to_vec();
+    let split = bytes.len();
+    bytes.extend_from_slice(bytemuck::cast_slice(triangles));
+    let (n, rest) = (bytes.len(), bytes.len() - split);
+    let (vertices, corners) = (points.len(), 3 * triangles.len());
+    let text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":{vertices},"type":"VEC3"}},
+        {{"bufferView":1,"componentType":5125,"count":{corners},"type":"SCALAR"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":{split}}},{{"buffer":0,"byteOffset":{split},"byteLength":{rest}}}],
+        "buffers":[{{"byteLength":{n},"uri":"head.bin"}}]}}"#
+    );
+    let (path, extension) = ("head.gltf".to_owned(), "gltf".to_owned());
+    let sides = [("head.bin".to_owned(), bytes.into())].into();
+    FileData { path, extension, bytes: text.into_bytes().into(), sides }
+}
+
+#[test]
+fn a_file_whose_units_cannot_be_is_read_in_those_that_its_size_tells() {
+    let bust = bust::adult();
+    for (scale, unit, said) in [
+        (0.01, 100.0, None),
+        (1.0, 1.0, Some("by its size the units are cm")),
+        (10.0, 0.1, Some("by its size the units are mm")),
+        (0.2, HEAD_RADIUS / (0.2 * 8.9), Some("it was scaled to 8.9 cm")),
+    ] {
+        let points: Vec<Vec3> = bust.points.iter().map(|p| *p * scale).collect();
+        let file = Value::File(Arc::new(gltf(&points, &bust.triangles)));
+        let (out, messages) = run(&NODE, &[("mesh", file)]);
+        let Value::Scalp(scalp) = &out[0] else { panic!("{}", out[0].type_name()) };
+        let found = scalp.cm_per_unit();
+        match unit {
+            unit if said.is_some_and(|said| said.contains("scaled")) => {
+                assert!((found / unit - 1.0).abs() < 0.01, "{scale}: {found}");
+            }
+            unit => assert_eq!(found, unit, "{scale}"),
+        }
+        let told = |said: &str| messages.iter().any(|message| message.contains(said));
+        assert!(
+            said.is_none_or(told) && said.is_some() == told("the file's units give"),
+            "{messages:?}"
+        );
+    }
+}
+
 #[test]
 fn a_face_that_looks_between_two_axes_is_found() {
     // The scan's shoulders face another way, and the corner of its glasses, 44 degrees to its right, is farther out
