@@ -424,7 +424,7 @@ mod tests {
             let (pasted, work) = ends("many", || count(|| paste(&document, &many, None, None)));
             let (edit, nodes) = pasted.unwrap();
             assert_eq!(nodes.len(), 3998);
-            assert!(work.asked < 3998 * 1, "{work:?}");
+            assert!(work.asked < 3998 * 40, "{work:?}");
             edit.apply(&mut document).unwrap();
         }
     }

@@ -45,10 +45,10 @@ pub struct NodeDef {
 }
 
 /// What a node refuses by its inputs alone, before it looks at hair: asked before anything runs, and by `run`.
-pub(crate) type Refuses = fn(&Told) -> Result<(), NodeError>;
+pub(crate) type Refuses = fn(&KnownInputs) -> Result<(), NodeError>;
 
 /// Names of the masks that the node's scalp may have, where that can be told before it runs. May take as long as reading a mesh.
-pub(crate) type Masks = fn(&Told) -> Option<Vec<String>>;
+pub(crate) type Masks = fn(&KnownInputs) -> Option<Vec<String>>;
 
 /// What comes to an input.
 #[derive(Clone, Copy, Debug)]
@@ -62,12 +62,12 @@ pub enum Arriving<'a> {
 }
 
 /// What is known of a node's inputs: before it runs values and whether anything is wired, then all.
-pub struct Told<'a> {
+pub struct KnownInputs<'a> {
     def: &'static NodeDef,
     first: &'a dyn Fn(usize) -> Arriving<'a>,
 }
 
-impl<'a> Told<'a> {
+impl<'a> KnownInputs<'a> {
     /// `first` says what comes to an input first, by its number.
     pub fn new(def: &'static NodeDef, first: &'a dyn Fn(usize) -> Arriving<'a>) -> Self {
         Self { def, first }
@@ -815,7 +815,7 @@ pub(crate) fn refuse(def: &'static NodeDef, values: &[Vec<Value>]) -> Result<(),
         let value = values.get(i).and_then(|values| values.first());
         value.map_or(Arriving::Nothing, Arriving::Value)
     };
-    def.refused(&Told::new(def, &first))
+    def.refused(&KnownInputs::new(def, &first))
 }
 
 /// Reads the word of a choice, for [`choice!`].
@@ -1053,11 +1053,11 @@ impl NodeDef {
     ///
     /// # Errors
     /// What [`Self::run`] would say.
-    pub fn refused(&self, told: &Told) -> Result<(), NodeError> {
+    pub fn refused(&self, told: &KnownInputs) -> Result<(), NodeError> {
         self.refuses.map_or(Ok(()), |refuses| refuses(told))
     }
     /// Names of the masks that the node's scalp may have; none where only running it tells.
-    pub fn mask_names(&self, told: &Told) -> Option<Vec<String>> {
+    pub fn mask_names(&self, told: &KnownInputs) -> Option<Vec<String>> {
         self.masks.and_then(|masks| masks(told))
     }
     pub(crate) const fn thins(mut self) -> Self {

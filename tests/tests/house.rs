@@ -372,8 +372,9 @@ fn jobs_are_asked_for_by_types_and_not_by_words() {
     }
 }
 
-/// Files whose tests know a clock: where waiting is, and what prints how long a call takes and judges nothing.
-const CLOCKS: &[&str] = &["tests/src/waiting.rs", "shaders/src/hair/tests.rs"];
+/// Files whose tests know a clock: where waiting is, and what prints how long something takes and judges nothing.
+const CLOCKS: &[&str] =
+    &["tests/src/waiting.rs", "tests/examples/judge.rs", "shaders/src/hair/tests.rs"];
 /// Files whose tests rest: where waiting is, hands, which do so as people do, and what chooses moments to interrupt something at.
 const RESTS: &[&str] = &[
     "tests/src/waiting.rs",

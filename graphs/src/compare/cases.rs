@@ -489,7 +489,13 @@ fn who_renames_a_port_and_who_sets_it_do_not_meet() {
     check_grouped(
         &[("{\"radius\": 0.5}", "{\"radius\": 0.5, \"fuzz\": 0.3}")],
         UPGRADED,
-        expect![[""]],
+        expect![[r#"
+            lost locs.fuzz: Some(Setting(Known(Float(0.3))))
+            Locs: input fuzz removed
+            Locs: input radius called radius to thickness, default 0.4 to 0.45
+            Locs: output hair called hair to curves
+            Locs/Scatter guides.length_variation: from Locs/Inputs.fuzz to nothing
+        "#]],
     );
     // Both renamed it: ours is followed.
     check_grouped(

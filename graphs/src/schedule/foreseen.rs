@@ -6,7 +6,7 @@
 use super::plan::{NOTHING_TO_PASS, Plan, Source, Step};
 use super::request::BadRequest;
 use coif_nodes::data::field::FieldFault;
-use coif_nodes::define::{Arriving, InputDef, Told, Type, Value};
+use coif_nodes::define::{Arriving, InputDef, KnownInputs, Type, Value};
 
 /// Everything that the nodes of a plan will refuse, in the order in which they would run. As slow as reading a head's mesh, where
 /// hair asks for a mask that not every head has.
@@ -28,7 +28,7 @@ fn refused(plan: &Plan, step: &Step) -> Option<BadRequest> {
         return (!step.can_pass_on()).then(|| bad(NOTHING_TO_PASS.to_owned()));
     }
     let arriving = |input: usize| first(step, input);
-    let told = Told::new(step.def, &arriving);
+    let told = KnownInputs::new(step.def, &arriving);
     if let Err(err) = step.def.refused(&told) {
         return Some(bad(err.to_string()));
     }
@@ -51,7 +51,7 @@ fn refused(plan: &Plan, step: &Step) -> Option<BadRequest> {
 }
 
 /// Whether the node does not read an input, given its other values.
-fn is_idle(input: &InputDef, told: &Told) -> bool {
+fn is_idle(input: &InputDef, told: &KnownInputs) -> bool {
     input.idle.is_some_and(|idle| idle(&|name| told.value(name)).is_some())
 }
 
@@ -61,5 +61,5 @@ fn masks_under(plan: &Plan, step: &Step) -> Option<Option<Vec<String>>> {
     let Source::Wire { step, .. } = step.inputs.get(scalp)?.first()? else { return None };
     let under = plan.steps.get(*step)?;
     let arriving = |input: usize| first(under, input);
-    Some(under.def.mask_names(&Told::new(under.def, &arriving)))
+    Some(under.def.mask_names(&KnownInputs::new(under.def, &arriving)))
 }

@@ -20,7 +20,7 @@ use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::ramp::Ramp;
 use crate::data::scalp::{Root, Scalp};
-use crate::define::{FieldInput, NodeError, Told, choice, node, unless};
+use crate::define::{FieldInput, KnownInputs, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::hash::{Dice, curve_id};
 use crate::maths::low_discrepancy::r2;
@@ -167,7 +167,7 @@ const PICKED: i32 = 4;
 const LOOK: f32 = 0.4;
 
 /// A grouping by curves that are not wired.
-fn ungrouped(told: &Told) -> Result<(), NodeError> {
+fn ungrouped(told: &KnownInputs) -> Result<(), NodeError> {
     // Each grouping by curves has the name of their input.
     let by = ["stitches", "picked"];
     match by.into_iter().find(|by| told.is("grouping", by) && !told.arrives(by)) {

@@ -22,7 +22,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::lift;
 use crate::data::scalp::{Root, Scalp, Skin};
-use crate::define::{NodeError, Told, choice, node, unless};
+use crate::define::{KnownInputs, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
@@ -158,7 +158,7 @@ choice! {
     }
 }
 
-fn without_mesh(told: &Told) -> Result<(), NodeError> {
+fn without_mesh(told: &KnownInputs) -> Result<(), NodeError> {
     if told.is("shape", "mesh") && !told.arrives("mesh") {
         return Err(NodeError::failed(
             "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \

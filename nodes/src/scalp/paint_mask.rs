@@ -10,7 +10,7 @@ use crate::data::laid::ClosedStroke;
 use crate::data::painted::{Edges, GridMeans, Painted};
 use crate::data::scalp::Scalp;
 use crate::data::strokes::Strokes;
-use crate::define::{FieldInput, NodeError, Told, Value, node};
+use crate::define::{FieldInput, KnownInputs, NodeError, Value, node};
 use crate::eval::{EvalCx, Size};
 use crate::maths::hash::Key;
 use std::collections::BTreeSet;
@@ -46,7 +46,7 @@ node! {
     }
 }
 
-fn on_hair(told: &Told) -> Result<(), NodeError> {
+fn on_hair(told: &KnownInputs) -> Result<(), NodeError> {
     let reads = match told.value("base") {
         Some(Value::Field(field)) => reads_hair(&field),
         Some(Value::Ramp(_)) => true,

@@ -9,10 +9,10 @@ use crate::data::laid::LEAST_POINTS;
 use crate::data::mesh::Mesh;
 use crate::data::scalp::REGION;
 use crate::data::sections::named_points;
-use crate::define::{NodeError, Told, Value};
+use crate::define::{KnownInputs, NodeError, Value};
 
 /// The mesh; none where it is not known yet, or cannot be read.
-fn mesh(told: &Told) -> Option<Mesh> {
+fn mesh(told: &KnownInputs) -> Option<Mesh> {
     match told.value("mesh") {
         Some(Value::File(file)) => read(&file).ok(),
         None if !told.arrives("mesh") => Some(bust::adult()),
@@ -20,7 +20,7 @@ fn mesh(told: &Told) -> Option<Mesh> {
     }
 }
 
-fn text(told: &Told, name: &str) -> String {
+fn text(told: &KnownInputs, name: &str) -> String {
     match told.value(name) {
         Some(Value::Text(text)) => text.to_string(),
         _ => String::new(),
@@ -35,7 +35,7 @@ fn of_mesh(mesh: Mesh) -> Vec<String> {
 }
 
 /// Names of all masks that the head may have.
-pub(super) fn mask_names(told: &Told) -> Option<Vec<String>> {
+pub(super) fn mask_names(told: &KnownInputs) -> Option<Vec<String>> {
     let mut names = of_mesh(mesh(told)?);
     names.extend([REGION.to_owned(), INNER_WALL.to_owned()]);
     if told.is("region", "hairline") {
@@ -47,7 +47,7 @@ pub(super) fn mask_names(told: &Told) -> Option<Vec<String>> {
 }
 
 /// A region by a name that the mesh does not have, or by lines that are not drawn.
-pub(super) fn refused(told: &Told) -> Result<(), NodeError> {
+pub(super) fn refused(told: &KnownInputs) -> Result<(), NodeError> {
     if told.is("region", "hairline")
         && let Some(Value::Strokes(strokes)) = told.value("hairline")
         && strokes.0.iter().all(|stroke| stroke.samples.len() < LEAST_POINTS)

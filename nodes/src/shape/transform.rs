@@ -10,7 +10,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::route::{Left, carried};
 use crate::data::scalp::{HeadFrame, Scalp};
-use crate::define::{NodeError, Told, Value, choice, node};
+use crate::define::{KnownInputs, NodeError, Value, choice, node};
 use crate::eval::EvalCx;
 use crate::maths::transcendental::{exp, ln, sin_cos};
 use glam::{Mat3, Vec2, Vec3};
@@ -65,7 +65,7 @@ choice! {
 }
 
 /// What needs a scalp and has none, and a scale that leaves nothing.
-fn refused(told: &Told) -> Result<(), NodeError> {
+fn refused(told: &KnownInputs) -> Result<(), NodeError> {
     let (has_scalp, bind) = (told.arrives("scalp"), told.is("roots", "bind"));
     let vector = |name: &str| match told.value(name) {
         Some(Value::Vec3(x)) => x,

@@ -31,7 +31,10 @@ fn frames_go_on_while_a_long_evaluation_runs() {
         assert!(!ui.state().is_idle(), "frame {frame} waited for the end of the evaluation");
         most = (most.0.max(work.asked), most.1.max(work.held));
     }
-    println!("UI thread: {} times asked for memory in a frame at most, {} bytes held", most.0, most.1);
+    println!(
+        "UI thread: {} times asked for memory in a frame at most, {} bytes held",
+        most.0, most.1
+    );
     assert!(most.0 < ASKED && most.1 < HELD, "{most:?}");
     // What nobody wants any more is stopped.
     hair(&mut ui, 170);

@@ -101,14 +101,27 @@ fn what_a_template_has_drawn_is_baked_where_its_group_is_given_it() {
 
 #[test]
 fn a_mesh_without_a_head_is_refused_until_its_landmarks_are_given() {
-    let Some(cow) = shared("a_mesh_without_a_head", "data/spot/spot_triangulated.obj") else { return };
+    let Some(cow) = shared("a_mesh_without_a_head", "data/spot/spot_triangulated.obj") else {
+        return;
+    };
     let folder = Folder::new("fit-cow");
     let (cow, out) = (cow.display().to_string(), folder.path("out.ron"));
-    let args = ["fit", "waves_2b", "--head", &cow, "--out", &out.display().to_string(), "--quality", "preview"]
-        .map(str::to_owned);
+    let args = [
+        "fit",
+        "waves_2b",
+        "--head",
+        &cow,
+        "--out",
+        &out.display().to_string(),
+        "--quality",
+        "preview",
+    ]
+    .map(str::to_owned);
     let ran = run(&args);
     assert_eq!(ran.code, 2, "{}", ran.err);
-    for words in ["no head was found in it", "--landmarks \"crown X Y Z", "left ear, right ear", &cow] {
+    for words in
+        ["no head was found in it", "--landmarks \"crown X Y Z", "left ear, right ear", &cow]
+    {
         assert!(ran.err.contains(words), "{words}: {}", ran.err);
     }
     assert!(!out.exists());

@@ -152,7 +152,7 @@ impl Skin<'_> {
         Some(worst)
     }
 
-    /// A sample, by the field alone where that shows it to be farther than `reach` outside.
+    /// A sample, by the field alone where that shows it to be outside; what is farther out than `reach` needs no way.
     fn sample(
         &self,
         span: &DrawnSpan,
@@ -165,8 +165,13 @@ impl Skin<'_> {
         let may = (from + (to - from) * t).max(0.0);
         let told =
             |distance: f32, way| SkinSample { t, at, distance, excess: -distance - may, way };
-        if self.is_clear(at, reach) {
-            return told(reach, None);
+        match self.roughly(at) {
+            None => return told(1.0, None),
+            Some((d, gradient, doubt)) if d - doubt > 0.0 => {
+                let way = (d - doubt <= reach).then(|| gradient.normalize_or_zero());
+                return told(d - doubt, way);
+            }
+            Some(_) => {}
         }
         let Some((distance, hit)) = self.exact_from(at, *near) else { return told(1.0, None) };
         *near = Some(hit.triangle);
