@@ -158,10 +158,21 @@ impl<'a> Skin<'a> {
     /// beyond the field's band outside. A tenth of the cost of an exact answer, for hair by the million.
     #[inline]
     pub fn roughly(&self, p: Vec3) -> Option<(f32, Vec3, f32)> {
+        self.by_the_field(|| self.field.depth(self.surface, p))
+    }
+
+    /// [`Self::roughly`] with the [finer error](DistanceField::fine_depth) of the distance.
+    #[inline]
+    pub(super) fn finely(&self, p: Vec3) -> Option<(f32, Vec3, f32)> {
+        self.by_the_field(|| self.field.fine_depth(self.surface, p))
+    }
+
+    #[inline]
+    fn by_the_field(&self, depth: impl Fn() -> Depth) -> Option<(f32, Vec3, f32)> {
         if self.has_no_inside() {
             return None;
         }
-        match self.field.depth(self.surface, p) {
+        match depth() {
             Depth::Near(d, gradient, doubt) => Some((d, gradient, doubt)),
             Depth::Inside => Some((-1.0, Vec3::ZERO, 1.0)),
             Depth::Outside => None,

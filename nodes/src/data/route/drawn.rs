@@ -19,8 +19,8 @@ pub(crate) const DIP: f32 = 0.004;
 /// How far outside a dip is put, cm.
 const CLEAR: f32 = 0.002;
 /// Samples of a span are so far apart at most, cm; where the skin bends between two, they are halved so often.
-const STEP: f32 = 0.15;
-const HALVINGS: usize = 4;
+const STEP: f32 = 0.3;
+const HALVINGS: usize = 5;
 /// Largest number of samples of a span before halving.
 const MOST: f32 = 256.0;
 /// Rounds in which points are moved, and by how much more each moves them than the one before.
@@ -137,7 +137,8 @@ impl Skin<'_> {
             while open > 0 {
                 open -= 1;
                 let (a, b, halved) = halves[open];
-                if halved == HALVINGS || !bends(&a, &b, span.leaves_chord(b.t - a.t)) {
+                let bar = if worst.excess > DIP { worst.excess + DIP } else { DIP };
+                if halved == HALVINGS || reaches(&a, &b, span.leaves_chord(b.t - a.t)) <= bar {
                     continue;
                 }
                 let middle = sample((a.t + b.t) * 0.5, 0.25 * a.at.distance(b.at));
@@ -165,11 +166,12 @@ impl Skin<'_> {
         let may = (from + (to - from) * t).max(0.0);
         let told =
             |distance: f32, way| SkinSample { t, at, distance, excess: -distance - may, way };
-        match self.roughly(at) {
+        match self.finely(at) {
             None => return told(1.0, None),
-            Some((d, gradient, doubt)) if d - doubt > 0.0 => {
-                let way = (d - doubt <= reach).then(|| gradient.normalize_or_zero());
-                return told(d - doubt, way);
+            // What dips by less is let pass.
+            Some((d, gradient, error)) if d - error + may > -DIP => {
+                let way = (d - error <= reach).then(|| gradient.normalize_or_zero());
+                return told(d - error, way);
             }
             Some(_) => {}
         }
@@ -269,19 +271,19 @@ impl Skin<'_> {
     }
 }
 
-/// Whether the curve, which leaves the straight line between two samples by no more than `aside` (cm), may come so much nearer to the skin
-/// between them than at both that it is too near: the skin rises by no more than a ridge does whose two sides they lie on.
-fn bends(a: &SkinSample, b: &SkinSample, aside: f32) -> bool {
+/// How much deeper than allowed (cm) the curve, which leaves the straight line between two samples by no more than `aside` (cm), may lie
+/// between them: the skin rises by no more than a ridge does whose two sides they lie on.
+fn reaches(a: &SkinSample, b: &SkinSample, aside: f32) -> f32 {
     let apart = a.at.distance(b.at);
     // What is farther off than the curve is long there is not met.
     if a.distance + b.distance > apart + 2.0 * aside {
-        return false;
+        return f32::MIN;
     }
-    let excess = a.excess.max(b.excess);
-    match (a.way, b.way) {
-        (Some(one), Some(other)) => excess + aside + 0.25 * apart * one.distance(other) > DIP,
-        _ => excess + aside + 0.5 * apart > DIP,
-    }
+    let rise = match (a.way, b.way) {
+        (Some(one), Some(other)) => 0.25 * apart * one.distance(other),
+        _ => 0.5 * apart,
+    };
+    a.excess.max(b.excess) + aside + rise
 }
 
 #[cfg(test)]

@@ -33,48 +33,82 @@ pub(crate) fn lift_each(
     which: Range<usize>,
     height: impl Fn(usize) -> f32,
 ) {
-    if lift_drawn(skin, hair, which.clone(), &height) {
-        space_evenly(skin, hair, which, height, &mut Spline::default());
-    }
+    let moved = lift_points(skin, hair, which.clone(), &height);
+    settle_evenly(skin, hair, which, height, moved, &mut Spline::default());
 }
 
-/// [`lift_each`] that leaves the spacing as it comes; tells whether any was moved.
+/// [`lift_each`] that leaves the spacing as it comes.
 pub(crate) fn lift_drawn(
+    skin: &Skin,
+    hair: &mut [Vec3],
+    which: Range<usize>,
+    height: impl Fn(usize) -> f32,
+) {
+    lift_points(skin, hair, which.clone(), &height);
+    skin.clear_drawn(hair, |k| which.contains(&k), |k| -height(k));
+}
+
+/// [`lift`] of points; tells whether any was moved.
+fn lift_points(
     skin: &Skin,
     hair: &mut [Vec3],
     which: Range<usize>,
     height: impl Fn(usize) -> f32,
 ) -> bool {
     let mut any = false;
-    for k in which.clone() {
+    for k in which {
         let (lifted, moved) = skin.lift(hair[k], height(k));
         hair[k] = lifted;
         any |= moved;
     }
-    skin.clear_drawn(hair, |k| which.contains(&k), |k| -height(k)) | any
+    any
+}
+
+/// Spaces the points of a hair in `which` evenly if lifting them `moved` any, and sets out of the skin what is drawn between them; where
+/// that spoils their spacing, both once more. Tells whether any was moved.
+fn settle_evenly(
+    skin: &Skin,
+    hair: &mut [Vec3],
+    which: Range<usize>,
+    height: impl Fn(usize) -> f32,
+    moved: bool,
+    spline: &mut Spline,
+) -> bool {
+    // What is drawn between points costs more than they do, so they are settled first.
+    if moved {
+        space_evenly(skin, hair, which.clone(), &height, spline);
+    }
+    let drawn = |hair: &mut [Vec3]| skin.clear_drawn(hair, |k| which.contains(&k), |k| -height(k));
+    let led = drawn(hair);
+    if led && space_evenly(skin, hair, which.clone(), &height, spline) {
+        drawn(hair);
+    }
+    moved || led
 }
 
 /// Spaces the points of a hair in `which` evenly between those beside them, and lifts them again, as long as that helps. The tip stays.
+/// Tells whether they were not even.
 fn space_evenly(
     skin: &Skin,
     hair: &mut [Vec3],
     which: Range<usize>,
     height: impl Fn(usize) -> f32,
     spline: &mut Spline,
-) {
-    let Some(first) = which.start.checked_sub(1).filter(|_| !skin.is_rough()) else { return };
-    let part = first..which.end.min(hair.len() - 1) + 1;
-    for _ in 0..EVENINGS {
-        let hair = &mut hair[part.clone()];
-        if is_even(hair) || spline.rebuild(hair).is_err() {
-            break;
-        }
+) -> bool {
+    let first = which.start.checked_sub(1).filter(|_| !skin.is_rough());
+    let Some(first) = first else { return false };
+    let end = which.end.min(hair.len() - 1);
+    let hair = &mut hair[first..=end];
+    let mut round = 0;
+    while round < EVENINGS && !is_even(hair) && spline.rebuild(hair).is_ok() {
         let last = hair.len() - 1;
         for (k, p) in hair.iter_mut().enumerate().take(last).skip(1) {
             *p = spline.at(k as f32 / last as f32);
         }
-        lift_drawn(skin, hair, 1..last, |k| height(first + k));
+        lift_points(skin, hair, 1..last, |k| height(first + k));
+        round += 1;
     }
+    round > 0
 }
 
 /// Sets what is drawn between the points of a hair out of the skin, all but its root free to move; `depth` says how deep (cm) each may
@@ -131,11 +165,8 @@ pub(crate) fn clear_noting(
     note: impl FnMut(usize, Vec3, f32),
 ) -> bool {
     let moved = skin.clear_noting(points, &depth, note);
-    if moved {
-        let height = |k: usize| -depth(k).unwrap_or(0.0);
-        space_evenly(skin, points, 1..points.len(), height, &mut Spline::default());
-    }
-    moved
+    let height = |k: usize| -depth(k).unwrap_or(0.0);
+    settle_evenly(skin, points, 1..points.len(), height, moved, &mut Spline::default())
 }
 
 /// [`clear`] that leads round whatever tears the hair so far.
@@ -173,7 +204,7 @@ pub(crate) fn rest_evenly(
         points[k] = points[k - 1] + along * chords[k - 1];
     }
     skin.clear(points, |_| Some(depth));
-    space_evenly(skin, points, 1..points.len(), |_| -depth, spline);
+    settle_evenly(skin, points, 1..points.len(), |_| -depth, true, spline);
 }
 
 /// Whether adjacent points are spaced within 1.2 : 1 (methods.md 0).

@@ -4,7 +4,7 @@
 //! next behind. Such a hair is led round the edge first, as it would hang in the world, and pushed then.
 //!
 //! Guarantees: the first point stays; every other ends where [`Skin::push_out`] lets it be; a hair that nothing tears comes
-//! out as if each of its points had been pushed alone, and what is drawn between them lifted (`drawn.rs`). Four ways aside are tried, each at most 3 cm long; where the least
+//! out as if each of its points had been pushed alone. Four ways aside are tried, each at most 3 cm long; where the least
 //! torn of them is torn still, the hair is laid on the shortest way round (`shortest_path.rs`). Not promised: that there is one; past the
 //! skin's patience, and on a rough mesh (`rough.rs`), none is looked for.
 
@@ -65,9 +65,7 @@ impl Skin<'_> {
     ) -> bool {
         match self.asks_alone() {
             true => self.push_each(points, &depth, note),
-            false => {
-                self.clear_led(Torn::APART, points, &depth) | self.clear_between(points, &depth)
-            }
+            false => self.clear_led(Torn::APART, points, &depth),
         }
     }
 
@@ -80,13 +78,8 @@ impl Skin<'_> {
     ) -> bool {
         match self.asks_alone() {
             true => self.push_each(points, &depth, |_, _, _| {}),
-            false => self.clear_led(far, points, &depth) | self.clear_between(points, &depth),
+            false => self.clear_led(far, points, &depth),
         }
-    }
-
-    fn clear_between(&self, points: &mut [Vec3], depth: &impl Fn(usize) -> Option<f32>) -> bool {
-        let may = |k: usize| k > 0 && depth(k).is_some();
-        self.clear_drawn(points, may, |k| depth(k).unwrap_or(0.0))
     }
 
     fn clear_led(
@@ -354,7 +347,7 @@ pub(crate) mod tests {
             let mut led = hair.clone();
             let moved = skin.clear(&mut led, |_| Some(0.0));
             assert_eq!(led[0], hair[0]);
-            assert_eq!(moved, led != hair);
+            assert_eq!(moved, alone != hair);
             for p in &led[1..] {
                 assert!(skin.distance(*p) > -1e-3, "{p} is {} deep", skin.distance(*p));
             }
