@@ -156,8 +156,10 @@ impl<'a> HairTracer<'a> {
         let far = |from: usize, to: usize| self.beads[from].p.distance(self.beads[to].p);
         let long =
             on_way > 0 && on_way < self.beads.len() && far(on_way - 1, on_way) > 1.5 * spacing;
-        let on_way = &self.beads[..on_way + usize::from(long)];
-        sections.last_passed(on_way.len(), |k| on_way[k].p).is_some()
+        // As it is drawn, which the next points have a say in.
+        let asked = on_way + usize::from(long);
+        let drawn: Vec<Vec3> = self.beads.iter().take(asked + 2).map(|bead| bead.p).collect();
+        sections.is_over_line_before(&drawn, asked)
     }
 
     /// Whether a hair on a parted scalp passes through a thin part of the skin. As a last resort, export leads such

@@ -167,6 +167,12 @@ impl<'a> Skin<'a> {
         self.by_the_field(|| self.field.fine_depth(self.surface, p))
     }
 
+    /// Errors of [`Self::finely`] up to this (cm) are those of smooth skin.
+    #[inline]
+    pub(super) fn smooth_error(&self) -> f32 {
+        self.field.fine()
+    }
+
     #[inline]
     fn by_the_field(&self, depth: impl Fn() -> Depth) -> Option<(f32, Vec3, f32)> {
         if self.has_no_inside() {

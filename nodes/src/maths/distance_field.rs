@@ -174,18 +174,20 @@ impl DistanceField {
         self.looked_up(surface, p, |_, doubt| doubt)
     }
 
-    /// [`Self::depth`] with the error as it is measured in the middle of the cell: a tenth of the other over smooth skin. It is
-    /// no bound: 1 in 1,000 near creases is farther off, by a few hundredths of a mm.
+    /// [`Self::depth`] with the error, where it is under [`Self::fine`], as it is measured in the middle of the cell.
     #[inline]
     pub fn fine_depth(&self, surface: &Surface, p: Vec3) -> Depth {
         self.looked_up(surface, p, |[more, off], doubt| {
-            // What is bent is what its centre is off by, but for creases beside it.
-            let bent = doubt - f32::from(more) * (MORE * self.cell) - 0.05 * self.cell;
-            match off {
-                FAR_OFF => doubt,
-                off => doubt.min(1.5 * OFF * self.cell * f32::from(off + 1) + 0.25 * bent),
-            }
+            let bent = doubt - f32::from(more) * (MORE * self.cell) - self.fine();
+            let error = 1.5 * OFF * self.cell * f32::from(off) + 0.25 * bent;
+            if off < FAR_OFF && error < self.fine() { error } else { doubt }
         })
+    }
+
+    /// Errors under this are those of smooth skin, cm.
+    #[inline]
+    pub fn fine(&self) -> f32 {
+        0.05 * self.cell
     }
 
     /// What the field knows at `p`, with the error that is made of what is stored of its cell's centre and of the full error.
@@ -310,7 +312,7 @@ impl DistanceField {
             + (x10 - x00 - x11 + x01).abs()
             + (s(0) + s(Y) - s(1) - s(Y + 1) - s(Z) - s(Z + Y) + s(Z + 1) + s(Z + Y + 1)).abs();
         let steep = (gradient.length_squared() - 1.0).abs();
-        let doubt = (0.05 * self.cell + bent + 0.6 * self.cell * steep).min(0.5 * self.cell);
+        let doubt = (self.fine() + bent + 0.6 * self.cell * steep).min(0.5 * self.cell);
         (lerp(y0, y1, f.z), gradient, doubt)
     }
 

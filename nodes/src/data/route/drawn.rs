@@ -19,7 +19,7 @@ pub(crate) const DIP: f32 = 0.004;
 /// How far outside a dip is put, cm.
 const CLEAR: f32 = 0.002;
 /// Samples of a span are so far apart at most, cm; where the skin bends between two, they are halved so often.
-const STEP: f32 = 0.3;
+const STEP: f32 = 0.2;
 const HALVINGS: usize = 5;
 /// Largest number of samples of a span before halving.
 const MOST: f32 = 256.0;
@@ -126,22 +126,21 @@ impl Skin<'_> {
             return None;
         }
         let count = (2.0 * radius / STEP).ceil().clamp(2.0, MOST);
-        let reach = radius / count;
-        let mut sample = |t: f32, reach: f32| self.sample(span, t, allowed, reach, near);
-        let mut worst = sample(0.0, reach);
+        let mut sample = |t: f32| self.sample(span, t, allowed, near);
+        let mut worst = sample(0.0);
         let mut before = worst;
         for n in 1..=count as usize {
-            let here = sample(n as f32 / count, reach);
+            let here = sample(n as f32 / count);
             let mut halves = [(before, here, 0); 2 + HALVINGS];
             let mut open = 1;
             while open > 0 {
                 open -= 1;
                 let (a, b, halved) = halves[open];
-                let bar = if worst.excess > DIP { worst.excess + DIP } else { DIP };
+                let bar = if worst.excess > DIP { worst.excess + 0.25 * DIP } else { DIP };
                 if halved == HALVINGS || reaches(&a, &b, span.leaves_chord(b.t - a.t)) <= bar {
                     continue;
                 }
-                let middle = sample((a.t + b.t) * 0.5, 0.25 * a.at.distance(b.at));
+                let middle = sample((a.t + b.t) * 0.5);
                 worst = worst.worse(middle);
                 halves[open] = (a, middle, halved + 1);
                 halves[open + 1] = (middle, b, halved + 1);
@@ -153,13 +152,12 @@ impl Skin<'_> {
         Some(worst)
     }
 
-    /// A sample, by the field alone where that shows it to be outside; what is farther out than `reach` needs no way.
+    /// A sample, by the field alone where that shows it to be outside.
     fn sample(
         &self,
         span: &DrawnSpan,
         t: f32,
         [from, to]: [f32; 2],
-        reach: f32,
         near: &mut Option<u32>,
     ) -> SkinSample {
         let at = span.at(t);
@@ -168,10 +166,9 @@ impl Skin<'_> {
             |distance: f32, way| SkinSample { t, at, distance, excess: -distance - may, way };
         match self.finely(at) {
             None => return told(1.0, None),
-            // What dips by less is let pass.
-            Some((d, gradient, error)) if d - error + may > -DIP => {
-                let way = (d - error <= reach).then(|| gradient.normalize_or_zero());
-                return told(d - error, way);
+            Some((d, gradient, error)) if d - error + may > 0.0 => {
+                let is_smooth = error <= self.smooth_error();
+                return told(d - error, is_smooth.then(|| gradient.normalize_or_zero()));
             }
             Some(_) => {}
         }

@@ -64,8 +64,8 @@ fn lift_points(
     any
 }
 
-/// Spaces the points of a hair in `which` evenly if lifting them `moved` any, and sets out of the skin what is drawn between them; where
-/// that spoils their spacing, both once more. Tells whether any was moved.
+/// Spaces the points of a hair in `which` evenly if lifting them `moved` any, and sets out of the skin what is drawn between them, spacing
+/// them again where that spoils it. Tells whether any was moved.
 fn settle_evenly(
     skin: &Skin,
     hair: &mut [Vec3],
@@ -74,41 +74,44 @@ fn settle_evenly(
     moved: bool,
     spline: &mut Spline,
 ) -> bool {
+    let [points, drawn] = [false, true];
     // What is drawn between points costs more than they do, so they are settled first.
     if moved {
-        space_evenly(skin, hair, which.clone(), &height, spline);
+        space_evenly(skin, hair, which.clone(), &height, points, spline);
     }
-    let drawn = |hair: &mut [Vec3]| skin.clear_drawn(hair, |k| which.contains(&k), |k| -height(k));
-    let led = drawn(hair);
-    if led && space_evenly(skin, hair, which.clone(), &height, spline) {
-        drawn(hair);
+    let led = skin.clear_drawn(hair, |k| which.contains(&k), |k| -height(k));
+    if led {
+        space_evenly(skin, hair, which, height, drawn, spline);
     }
     moved || led
 }
 
-/// Spaces the points of a hair in `which` evenly between those beside them, and lifts them again, as long as that helps. The tip stays.
-/// Tells whether they were not even.
+/// Spaces the points of a hair in `which` evenly between those beside them, and lifts them again, with what is `drawn` between them or
+/// not, as long as that helps. The tip stays.
 fn space_evenly(
     skin: &Skin,
     hair: &mut [Vec3],
     which: Range<usize>,
     height: impl Fn(usize) -> f32,
+    drawn: bool,
     spline: &mut Spline,
-) -> bool {
-    let first = which.start.checked_sub(1).filter(|_| !skin.is_rough());
-    let Some(first) = first else { return false };
+) {
+    let Some(first) = which.start.checked_sub(1).filter(|_| !skin.is_rough()) else { return };
     let end = which.end.min(hair.len() - 1);
     let hair = &mut hair[first..=end];
-    let mut round = 0;
-    while round < EVENINGS && !is_even(hair) && spline.rebuild(hair).is_ok() {
+    for _ in 0..EVENINGS {
+        if is_even(hair) || spline.rebuild(hair).is_err() {
+            break;
+        }
         let last = hair.len() - 1;
         for (k, p) in hair.iter_mut().enumerate().take(last).skip(1) {
             *p = spline.at(k as f32 / last as f32);
         }
         lift_points(skin, hair, 1..last, |k| height(first + k));
-        round += 1;
+        if drawn {
+            skin.clear_drawn(hair, |k| (1..last).contains(&k), |k| -height(first + k));
+        }
     }
-    round > 0
 }
 
 /// Sets what is drawn between the points of a hair out of the skin, all but its root free to move; `depth` says how deep (cm) each may
@@ -198,13 +201,16 @@ pub(crate) fn rest_evenly(
         return;
     }
     let chords: Vec<f32> = points.windows(2).map(|w| w[0].distance(w[1])).collect();
+    // What a tight turn leads through an ear shows between points alone.
     skin.clear(points, may_be);
+    skin.clear_drawn(points, |k| k > 0 && near[k], |_| depth);
     for k in 1..points.len() {
         let along = (points[k] - points[k - 1]).normalize_or_zero();
         points[k] = points[k - 1] + along * chords[k - 1];
     }
     skin.clear(points, |_| Some(depth));
-    settle_evenly(skin, points, 1..points.len(), |_| -depth, true, spline);
+    skin.clear_drawn(points, |k| k > 0, |_| depth);
+    space_evenly(skin, points, 1..points.len(), |_| -depth, true, spline);
 }
 
 /// Whether adjacent points are spaced within 1.2 : 1 (methods.md 0).
