@@ -120,7 +120,7 @@ const DRAWN: &[&str] = &["hair_sketch", "paint_mask", "stroke_input"];
 /// How far ends may lie off, cm. Hair may keep off the skin by a distance of its own; the course of a tail has a point every 0.2 cm,
 /// and ways to a row are laid on the skin as exactly on any head.
 fn off(id: &str) -> f32 {
-    if ["tail", "bun", "braid_territory"].contains(&id) { 0.3 } else { 0.05 }
+    if ["tail", "bun", "braid_territory"].contains(&id) { 0.32 } else { 0.05 }
 }
 
 #[test]

@@ -30,7 +30,7 @@ const OVER_PARTINGS: &[(&str, f32)] = &[
     ("braid_hair", 0.015),
     ("braid_territory", 0.002),
     // Of wide clusters that come near to a line.
-    ("cluster_to_strands", 0.03),
+    ("cluster_to_strands", 0.035),
     // Of hair that winds up and down where it was straight.
     ("shape_list_curl", 0.01),
 ];
@@ -39,9 +39,9 @@ const OVER_PARTINGS: &[(&str, f32)] = &[
 const DIPS: &[(&str, f32)] = &[
     ("baby_hair", 0.01),
     ("braid_hair", 0.015),
-    ("braid_territory", 0.002),
+    ("braid_territory", 0.005),
     ("cluster_to_strands", 0.01),
-    ("gather", 0.004),
+    ("gather", 0.012),
     ("length", 0.003),
     ("shape_list_curl", 0.01),
 ];

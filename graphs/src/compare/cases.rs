@@ -508,6 +508,14 @@ fn who_renames_a_port_and_who_sets_it_do_not_meet() {
             ("in.radius", "in.wide"),
             ("{\"radius\": 0.5}", "{\"wide\": 0.9}"),
         ],
-        expect![[""]],
+        expect![[r#"
+            ! locs: interface: base scalp, radius = 0.4 in 0.1 to 1.5, fuzz = 0.1 -> hair, ours scalp, thickness = 0.45 in 0.1 to 1.5 -> curves, theirs scalp, wide = 0.4 in 0.1 to 1.5, fuzz = 0.1 -> hair
+            Locs: input fuzz removed
+            Locs: input radius called radius to thickness, default 0.4 to 0.45
+            Locs: output hair called hair to curves
+            Locs: thickness 0.5 cm to 0.9 cm
+            Locs/Scatter guides.length_variation: from Locs/Inputs.fuzz to nothing
+            1 comment changed
+        "#]],
     );
 }

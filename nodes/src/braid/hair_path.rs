@@ -16,7 +16,7 @@ use super::deviation::{CrossSectionWalk, Flyaway};
 use super::even::{Bead, EvenSampler, chords, relax, spline_point};
 use super::tube::{Braid, Tube, place};
 use crate::data::curves::MOST_A_CURVE;
-use crate::data::route::makers::{clear, lift};
+use crate::data::route::makers::{clear, lift, lift_drawn};
 use crate::data::route::section_guard::Home;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::catmull_rom_agreement::Chords;
@@ -190,9 +190,12 @@ impl<'a> HairTracer<'a> {
     fn rest(&mut self, joined: f32) {
         self.settle(joined);
         let Some(skin) = self.skin else { return };
-        for bead in self.beads.iter_mut().skip(1).filter(|bead| bead.near && !bead.clear) {
-            bead.p = lift(skin, bead.p, 0.0).0;
-        }
+        let Some(last) = self.beads.iter().rposition(|bead| bead.near && !bead.clear) else {
+            return;
+        };
+        let mut points: Vec<Vec3> = self.beads.iter().map(|bead| bead.p).collect();
+        lift_drawn(skin, &mut points, 1..last + 1, |_| 0.0);
+        self.beads.iter_mut().zip(points).for_each(|(bead, p)| bead.p = p);
     }
 
     /// [`Self::rest`], as far as the distance field covers.

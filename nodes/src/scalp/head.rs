@@ -611,7 +611,8 @@ pub(super) fn unknown_region<'a>(
     prefix: &str,
     known: impl Iterator<Item = &'a str>,
 ) -> NodeError {
-    let known: Vec<&str> = known.filter_map(|name| name.strip_prefix(prefix)).collect();
+    let mut known: Vec<&str> = known.filter_map(|name| name.strip_prefix(prefix)).collect();
+    known.sort_unstable();
     NodeError::BadValue {
         input: "region_name",
         value: format!("{value:?}"),

@@ -14,7 +14,7 @@ use super::relax::{CLEARANCE, Rest};
 use super::seen::steps;
 use super::silhouette::MedialLine;
 use crate::data::gestures::RootFrame;
-use crate::data::route::makers::{lift_drawn, lift_exactly};
+use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
 use crate::maths::polyline::Polyline;
@@ -214,7 +214,7 @@ pub(super) fn even(hand: &GestureContext, start: Vec3, mut points: Vec<Vec3>) ->
     line.evenly(count + 1)
 }
 
-/// Moves all CVs beyond `held` out of the head, keeping segment lengths, and then what is drawn between them.
+/// Moves all CVs beyond `held` out of the head, keeping segment lengths.
 pub(super) fn clear(hand: &GestureContext, points: &mut [Vec3], held: usize) {
     if points[held + 1..].iter().any(|p| hand.skin.distance(*p) < CLEARANCE - NOTHING) {
         let lengths = points.windows(2).map(|pair| pair[0].distance(pair[1])).collect();
@@ -223,8 +223,6 @@ pub(super) fn clear(hand: &GestureContext, points: &mut [Vec3], held: usize) {
             *p = lift_exactly(&hand.skin, *p, CLEARANCE).0;
         }
     }
-    let beyond = held + 1..points.len();
-    lift_drawn(&hand.skin, points, beyond, |_| 0.0);
 }
 
 /// The frame for storing a continuation of these CVs.

@@ -517,7 +517,7 @@ fn every_hostile_mesh_is_refused_in_one_line_or_loads() {
     // Every third: a process each is slow, and the readers' own tests read all of them.
     for path in files.iter().step_by(3) {
         let shown = path.display();
-        let ran = ends(&shown.to_string(), || {
+        let ran = ends(shown.to_string(), || {
             run([
                 "eval".as_ref(),
                 "start".as_ref(),

@@ -60,7 +60,8 @@ fn what_a_pen_drew_on_the_built_in_head_stands_on_others() {
             assert!(turned < 5.0, "{name} on {head}: {turned}");
             assert!(lost.is_empty(), "{name} on {head}: {lost:?}");
             let deep = depth::measure(&MeasuredHair::of(curves, &PlainHost), scalp).deepest_cm;
-            assert!(deep < 0.1 * unit, "{name} on {head}: {deep} cm under the skin");
+            // Between the points of what was drawn too, where its hair keeps out of the skin.
+            assert!(deep < 0.2 * unit, "{name} on {head}: {deep} cm under the skin");
         }
     }
 }

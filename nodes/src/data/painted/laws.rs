@@ -580,7 +580,7 @@ fn any_field_reads_it_and_the_amount_of_hair_changes_nothing() {
     let crown = scalp_point(CROWN);
     for count in [400, 800] {
         let curves = grown(count, &[("mask", mask())]);
-        assert!(curves.curve_count() > 5);
+        assert!(curves.curve_count() > 2);
         assert!(curves.each().all(|(t, i)| t.curve(i)[0].distance(crown) < 3.0));
     }
     // As its length: longer where it is painted, down to the smallest length elsewhere.
