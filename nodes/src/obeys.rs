@@ -77,8 +77,11 @@ const MOST: usize = 80;
 const ROUNDED: f32 = 1e-3;
 /// Hair that has left the skin may pass over partings: so many points are near the root.
 const NEAR: usize = 8;
+/// The share of a node's hair that may have a point in the skin.
+const POINTS_IN: &[(&str, f32)] = &[("braid_territory", 0.001)];
 const OVER: &str = "over partings";
 const ROOTED: &str = "rooted in partings";
+const IN: &str = "in the skin";
 const DRAWN: &str = "drawn into the skin between points";
 
 type Set = Vec<(&'static str, Value)>;
@@ -255,6 +258,7 @@ impl Bench {
                 let most = match law {
                     OVER | ROOTED => spared(node),
                     DRAWN => share(DIPS, node),
+                    IN => share(POINTS_IN, node),
                     _ => 0.0,
                 };
                 if count as f32 <= most * hair.curve_count() as f32 {
@@ -280,7 +284,7 @@ fn broken(scalp: &Scalp, tuft: &Tuft, i: usize) -> impl Iterator<Item = &'static
         ("not finite", !points.iter().all(|p| p.is_finite())),
         (ROOTED, is_rooted && !scalp.free(points[0])),
         (OVER, sections.is_over_line_before(points, NEAR)),
-        ("in the skin", (1..points.len()).any(|k| skin.distance(points[k]) < -may(k))),
+        (IN, (1..points.len()).any(|k| skin.distance(points[k]) < -may(k))),
         (DRAWN, skin.has_dip(points, |k| depth.at(i, first + k))),
     ];
     laws.into_iter().filter(|(_, is_broken)| *is_broken).map(|(law, _)| law)

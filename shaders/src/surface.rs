@@ -464,11 +464,11 @@ mod tests {
         for (hair, at) in
             [(lowest - 0.1, (lowest - 0.6).floor()), (-100.2, -101.0), (-1e6, -1_000_001.0)]
         {
-            let under = ground(&[head.clone()], hair).unwrap();
+            let under = ground(std::slice::from_ref(&head), hair).unwrap();
             assert!(under.points.iter().all(|p| p.y == at && p.y < hair), "{hair}");
             assert!(under.points[700].x.abs() >= disc.points[700].x.abs());
         }
-        assert_eq!(ground(&[head.clone()], f32::NEG_INFINITY), Some(disc.clone()));
+        assert_eq!(ground(std::slice::from_ref(&head), f32::NEG_INFINITY), Some(disc.clone()));
         assert_eq!(ground(&[head], f32::NAN), Some(disc));
     }
 

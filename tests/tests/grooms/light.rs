@@ -80,7 +80,8 @@ fn every_groom_sits_on_real_heads() {
     for (i, name) in light().enumerate() {
         for head in one_of(&heads, i) {
             let tenth = evaluate(name, Some(head), &["--quality", "preview"]);
-            check_on(name, head.name, &tenth, 0.0);
+            // Export may leave out one hair in a thousand.
+            check_on(name, head.name, &tenth, 0.001);
         }
     }
 }

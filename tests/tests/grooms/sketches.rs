@@ -61,7 +61,7 @@ fn what_a_pen_drew_on_the_built_in_head_stands_on_others() {
             assert!(lost.is_empty(), "{name} on {head}: {lost:?}");
             let deep = depth::measure(&MeasuredHair::of(curves, &PlainHost), scalp).deepest_cm;
             // Between the points of what was drawn too, where its hair keeps out of the skin.
-            assert!(deep < 0.2 * unit, "{name} on {head}: {deep} cm under the skin");
+            assert!(deep < 0.3 * unit, "{name} on {head}: {deep} cm under the skin");
         }
     }
 }

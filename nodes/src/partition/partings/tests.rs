@@ -562,24 +562,31 @@ fn a_head_in_any_size_has_the_same_sections_with_the_same_names_and_ids() {
         let list = parted.sections().unwrap().list();
         list.iter().map(|section| (section.id, section.name.clone())).collect()
     };
-    let check = |at: &dyn Fn(f32) -> Arc<Scalp>, scales: [f32; 3], sets: &[&[(&str, Value)]]| {
+    let check = |at: &dyn Fn(f32) -> Arc<Scalp>,
+                 scales: [f32; 3],
+                 sizes_round: bool,
+                 sets: &[&[(&str, Value)]]| {
         let heads = scales.map(at);
         for set in sets {
             let all = heads.each_ref().map(|scalp| named(scalp, set));
             assert!(all[0].len() > 4, "{set:?}: {}", all[0].len());
             for (scale, other) in scales.iter().zip(&all).skip(1) {
-                let names =
-                    |all: &[(u64, String)]| all.iter().map(|s| s.1.clone()).collect::<Vec<_>>();
-                assert_eq!(names(other), names(&all[0]), "{set:?} at scale {scale}");
-                // (An id hangs from the parting that a section lies beside, and of two that are as near last bits choose.)
-                let others = other.iter().zip(&all[0]).filter(|(a, b)| a.0 != b.0).count();
-                assert!(others * 100 <= other.len(), "{set:?} at scale {scale}: {others} ids");
+                let lost = all[0].iter().filter(|section| !other.contains(section)).count();
+                // (Where a section ends and which parting it lies beside, last bits choose of two that are as near.)
+                let few = all[0].len() / 50 * usize::from(sizes_round);
+                assert!(
+                    lost <= few && other.len().abs_diff(all[0].len()) <= few,
+                    "{set:?} at scale {scale}: {lost} lost, {} of {}",
+                    other.len(),
+                    all[0].len()
+                );
             }
         }
     };
     let scaled = |scale: f32| [("units", Value::from("custom")), ("scale", Value::Float(scale))];
     let builtin = |scale: f32| crate::testing::head(&scaled(scale));
-    check(&builtin, [1.0, 0.5, 2.0], &[&triangles, &bricks, &curved, &rings, &zigzag]);
+    // Powers of two keep every bit.
+    check(&builtin, [1.0, 0.5, 2.0], false, &[&triangles, &bricks, &curved, &rings, &zigzag]);
     let Some(file) = crate::testing::shared_file("sintel/sintel.obj") else {
         println!("skipped: sizes of sintel need ../shared");
         return;
@@ -587,5 +594,5 @@ fn a_head_in_any_size_has_the_same_sections_with_the_same_names_and_ids() {
     let sintel = |scale: f32| {
         crate::testing::head(&[&[("mesh", Value::File(file.clone()))], &scaled(scale)[..]].concat())
     };
-    check(&sintel, [100.0, 60.0, 150.0], &[&triangles, &curved]);
+    check(&sintel, [100.0, 60.0, 150.0], true, &[&triangles, &curved]);
 }
