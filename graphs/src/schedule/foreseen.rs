@@ -1,5 +1,5 @@
-//! What a plan's nodes will refuse, known before any of them runs: by what each says of its inputs ([`NodeDef::refused`]), and
-//! masks that the head under the hair does not have.
+//! What a plan's nodes will refuse, known before any of them runs: by what each says of its inputs
+//! ([`refused`](coif_nodes::define::NodeDef::refused)), and masks that the head under the hair does not have.
 //!
 //! Guarantees: nothing is refused that evaluates. Not promised: that the rest does; sections and hair are known to nodes alone.
 
