@@ -212,6 +212,17 @@ pub(crate) fn unless(
     matches!(of(choice), Some(Value::Text(is)) if *is != *word).then_some(why)
 }
 
+/// Refuses the shape `mesh` where nothing is wired to the input of that name.
+pub(crate) fn without_mesh(told: &KnownInputs) -> Result<(), NodeError> {
+    if told.is("shape", "mesh") && !told.arrives("mesh") {
+        return Err(NodeError::failed(
+            "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
+             another shape",
+        ));
+    }
+    Ok(())
+}
+
 /// One output.
 pub struct OutputDef {
     /// Id stored in documents.

@@ -79,6 +79,13 @@ fn write_job(args: &BatchArgs) -> Result<Exit, Stop> {
     };
     let mut files = Together::default();
     let meshes: Vec<PathBuf> = args.head.iter().map(|head| on_head(head).into()).collect();
+    if let Some((head, _)) =
+        args.head.iter().zip(&meshes).find(|(_, mesh)| mesh.as_os_str().is_empty())
+    {
+        return Err(Stop::refused(format!(
+            "--head {head:?}: expected a mesh, as FILE or NODE=FILE"
+        )));
+    }
     let reads = args.graph.iter().chain(&meshes).chain(&args.sweep);
     for path in reads {
         files
@@ -101,7 +108,7 @@ fn write_job(args: &BatchArgs) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// The node whose mesh all `--head` exchange; none where none names one.
+/// The node whose mesh every `--head` replaces, if they name one.
 fn node_of_heads(heads: &[String]) -> Result<Option<&str>, Stop> {
     let mut nodes = heads.iter().map(|head| {
         let (node, _) = head.split_once('=')?;

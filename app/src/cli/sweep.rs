@@ -132,7 +132,7 @@ impl Sweep {
         })
     }
 
-    /// The first column that is no input of a graph, and why; one that sets what a column before it sets is none.
+    /// Refuses a column that names no input of a graph, or the same input as an earlier column.
     pub(super) fn refuse_unknown_columns(
         &self,
         graph: &Path,

@@ -53,7 +53,7 @@ pub(crate) struct Evaluated {
     pub(crate) more: Vec<Value>,
 }
 
-/// What an evaluation gives: the outputs and what is asked for besides, and the scalps that they stand on.
+/// What an evaluation computes: the outputs and any other sockets asked for, with the heads and partings upstream of them.
 struct Wanted {
     targets: Vec<Socket>,
     heads: Vec<Socket>,

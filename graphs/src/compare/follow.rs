@@ -1,11 +1,11 @@
-//! Ports that one person renamed, followed in what the others say of them.
+//! Renamed ports in a merge: values and wires follow a port to its new name.
 //!
-//! Before three documents are merged, each is told with the ports that groups and parameters will have: what is set on a port, wired
-//! to it or read from it goes by the name that the port has then. So who upgrades a template does not meet who sets a port of it.
-//! As in an upgrade, a value is lost whose port is gone, or takes something else now.
+//! Before three documents are merged, each is rewritten for the ports that the merged groups and parameters will have. One branch can
+//! therefore upgrade a template while another sets or wires its ports, without a conflict. As in an upgrade, a value is lost if its
+//! port is gone or takes another type.
 //!
-//! Guarantees: what is said of ports that nobody changed is as it was; the same is found whoever merges whom, but where two
-//! interfaces contradict each other: then it is ours that is followed. What reads an output that is gone is left as it is.
+//! Guarantees: facts about unchanged ports are unchanged, and merging either way round gives the same result, unless two interfaces
+//! contradict each other; then ours wins. Wires from an output that is gone are left as they are.
 
 use super::diff::Change;
 use super::fact::{Fact, Facts, Said, Wire};
@@ -19,9 +19,9 @@ use std::collections::BTreeMap;
 
 /// A port as a side calls it, and what became of it.
 struct Renamed {
-    /// What the base calls it; none where it came since.
+    /// Its name in the base; `None` if it was added since.
     before: Option<String>,
-    /// None where it is gone.
+    /// `None` if it was removed.
     now: Option<&'static Port>,
 }
 
@@ -204,7 +204,7 @@ fn with_sources(said: &Said, side: &Facts, renames: &Renames) -> Said {
     Said::Wires(wires.iter().map(wire).collect())
 }
 
-/// What is set, as the port takes it; none where it does not.
+/// A setting converted to the type of the port; `None` if that is impossible.
 fn fitting(port: &Port, setting: &Setting) -> Option<Setting> {
     match setting {
         Setting::Known(value) => values::fit(port.ty, value.clone()).ok().map(Setting::Known),

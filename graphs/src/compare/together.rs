@@ -118,7 +118,7 @@ fn stays(fact: &Fact) -> bool {
     matches!(fact, Fact::Comment(_)) || fact.is_canvas()
 }
 
-/// All facts about the nodes within so many wires of one. A group whose ports are not as they were is one with what is in it.
+/// All facts about the nodes within `wires` wires of a node. A group whose ports changed counts as one node with its contents.
 fn facts_about(id: &NodeId, wires: usize, both: [&Facts; 2]) -> BTreeSet<Fact> {
     let mut beside = BTreeMap::<&NodeId, BTreeSet<&NodeId>>::new();
     for (fact, said) in both.into_iter().flatten() {

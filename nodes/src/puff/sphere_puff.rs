@@ -22,7 +22,7 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::lift;
 use crate::data::scalp::{Root, Scalp, Skin};
-use crate::define::{KnownInputs, NodeError, choice, node, unless};
+use crate::define::{NodeError, choice, node, unless, without_mesh};
 use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
@@ -156,16 +156,6 @@ choice! {
         /// Per square centimetre of root area.
         Density = "density",
     }
-}
-
-fn without_mesh(told: &KnownInputs) -> Result<(), NodeError> {
-    if told.is("shape", "mesh") && !told.arrives("mesh") {
-        return Err(NodeError::failed(
-            "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
-             another shape",
-        ));
-    }
-    Ok(())
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {

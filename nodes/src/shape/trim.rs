@@ -12,7 +12,7 @@ use crate::data::attributes::ALLOW_DEPTH;
 use crate::data::curves::{Curves, Tuft};
 use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
-use crate::define::{KnownInputs, NodeError, choice, node, unless};
+use crate::define::{NodeError, choice, node, unless, without_mesh};
 use crate::eval::{EvalCx, Piece};
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos;
@@ -81,16 +81,6 @@ choice! {
 const HALVINGS: usize = 12;
 /// Samples per point of a hair at which it is tested against the shape.
 const SAMPLES: usize = 3;
-
-fn without_mesh(told: &KnownInputs) -> Result<(), NodeError> {
-    if told.is("shape", "mesh") && !told.arrives("mesh") {
-        return Err(NodeError::failed(
-            "shape is mesh, but nothing is wired to mesh: wire a Head node that reads a closed mesh, or choose \
-             another shape",
-        ));
-    }
-    Ok(())
-}
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let frame = inputs.scalp.frame();
