@@ -226,12 +226,14 @@ mod tests {
 
     #[test]
     fn the_ground_lies_under_all_that_is_drawn() {
+        use coif_nodes::data::attributes::{Domain, ID};
         use coif_nodes::data::curves::TuftBuilder;
         use coif_nodes::data::scalp::{HeadFrame, REGION};
         use coif_nodes::maths::closest::Surface;
         let hanging = |from: f32, to: f32| {
             let mut tuft = TuftBuilder::new();
             tuft.push_curve(&[from, 0.5 * (from + to), to].map(|y| Vec3::new(9.0, y, 0.0)));
+            tuft.set(ID, Domain::Curve, vec![1]);
             Curves::new(vec![Arc::new(tuft.build())])
         };
         let bust = coif_nodes::scalp::bust::adult();

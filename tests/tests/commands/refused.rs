@@ -38,8 +38,8 @@ fn what_an_evaluation_refuses_is_refused_by_check_and_batch() {
     let mask = "last: amplitude: the scalp has no mask \"nonsense\"; it has: ";
     check(&on("noise", r#""amplitude": Mask("nonsense")"#), mask);
     check(&on("noise", r#""amplitude": Product([0.5, Mask("nonsense")])"#), mask);
-    let width = r#""root": Mask("scalp")"#;
-    check(&alone("set_width", width), "last: root: mask \"scalp\" needs the scalp wired");
+    let width = r#""scale": Mask("scalp")"#;
+    check(&alone("set_width", width), "last: scale: mask \"scalp\" needs the scalp wired");
     let moved = r#""translate": (1.0, 0.0, 0.0)"#;
     check(&alone("transform", moved), "last: scalp is not connected: wire it, or choose the space");
     check(
@@ -111,7 +111,9 @@ fn a_job_with_a_doomed_task_is_not_written() {
     ));
     std::fs::write(path("one.ron"), one).unwrap();
     std::fs::write(path("none.ron"), groom(HEAD)).unwrap();
-    std::fs::write(path("head.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for head in ["head.obj", "other.obj"] {
+        std::fs::write(path(head), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    }
     std::fs::write(path("broken.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
     std::fs::write(path("rows.csv"), "guides.count\n3\nmany\n").unwrap();
     let names = folder.names();
@@ -119,12 +121,12 @@ fn a_job_with_a_doomed_task_is_not_written() {
         let (graph, hair, job) = (path(graph), path("hair"), path("job.yaml"));
         run([&["batch", &graph, "--out-dir", &hair, "-o", &job][..], more].concat())
     };
-    let (head, broken, gone) = (path("head.obj"), path("broken.obj"), path("gone.obj"));
+    let [head, other, broken, gone] = ["head.obj", "other.obj", "broken.obj", "gone.obj"].map(path);
     let (of_a, of_c, rows) = (format!("a={head}"), format!("c={head}"), path("rows.csv"));
     for (graph, more, said) in [
         ("two.ron", &["--head", &head][..], "several heads; write NODE=FILE with one of a, b"),
         ("two.ron", &["--head", &of_c], "several heads; write NODE=FILE with one of a, b"),
-        ("two.ron", &["--head", &of_a, &head], "write the same NODE= before each"),
+        ("two.ron", &["--head", &of_a, &other], "write the same NODE= before each"),
         ("one.ron", &["--head", &head, &gone], "gone.obj: no such file"),
         ("one.ron", &["--head", &broken], "broken.obj: "),
         ("one.ron", &["--sweep", &rows], "row 2: "),

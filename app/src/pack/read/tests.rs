@@ -125,8 +125,8 @@ fn replaced(mut zip: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
 }
 
 /// Memory that no pack takes that is refused, and times that it is asked for.
-const MOST_HELD: u64 = 1;
-const MOST_ASKED: u64 = 1;
+const MOST_HELD: u64 = 4 << 20;
+const MOST_ASKED: u64 = 2_000;
 
 /// The pack at a path is refused with one line that names it and says `says`, and with little work.
 #[track_caller]

@@ -359,7 +359,7 @@ fn what_files_may_say_is_drawn_with_bounded_work() {
         canvas.view.scene_rect =
             Rect::from_center_size(pos2(400.0, 100.0), vec2(1280.0, 640.0) / scale);
         let (_, work) = ends("a frame ends", || count(|| w.run_steps(2)));
-        assert!(work.asked < 1 && work.held < 1, "at {scale}: {work:?}");
+        assert!(work.asked < 100_000 && work.held < 64 << 20, "at {scale}: {work:?}");
     }
 }
 
@@ -570,7 +570,7 @@ fn three_hundred_nodes_take_little_of_a_frame() {
         let (vertices, work) = count(|| frame(&mut canvas));
         let zoom = canvas.scale();
         println!("300 nodes {name} (zoom {zoom:.2}): {vertices} vertices, {work:?}");
-        assert!(vertices < 1 && work.asked < 1, "{name}: {vertices} vertices, {work:?}");
+        assert!(vertices < 200_000 && work.asked < 20_000, "{name}: {vertices} vertices, {work:?}");
     }
 }
 
