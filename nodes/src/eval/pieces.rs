@@ -23,7 +23,8 @@ pub struct Piece<'a> {
     host: &'a dyn Host,
     scalp: Option<&'a Scalp>,
     since: u32,
-    troubles: BTreeMap<String, (u32, Vec<u64>)>,
+    /// By whether it is a warning, and text.
+    said: BTreeMap<(bool, String), (u32, Vec<u64>)>,
 }
 
 impl<'a> Piece<'a> {
@@ -47,7 +48,14 @@ impl<'a> Piece<'a> {
     }
     /// Notes trouble with one curve. The text is the same for all curves it happens to.
     pub fn trouble(&mut self, curve: u64, text: impl std::fmt::Display) {
-        let (count, curves) = self.troubles.entry(text.to_string()).or_default();
+        self.say(true, curve, text.to_string());
+    }
+    /// Remarks on one curve that is as it should be. The text is the same for all curves that it is said of.
+    pub fn remark(&mut self, curve: u64, text: impl std::fmt::Display) {
+        self.say(false, curve, text.to_string());
+    }
+    fn say(&mut self, warning: bool, curve: u64, text: String) {
+        let (count, curves) = self.said.entry((warning, text)).or_default();
         *count += 1;
         if curves.len() < MOST_NAMED {
             curves.push(curve);
@@ -81,7 +89,7 @@ impl<'a> Piece<'a> {
 
 struct Made {
     tufts: Vec<Vec<Arc<Tuft>>>,
-    troubles: Vec<Message>,
+    said: Vec<Message>,
 }
 
 impl Made {
@@ -200,7 +208,7 @@ impl EvalCx<'_> {
             for (output, tufts) in outputs.iter_mut().zip(&made.tufts) {
                 output.extend(tufts.iter().cloned());
             }
-            made.troubles.iter().for_each(|trouble| self.log.say(trouble.clone()));
+            made.said.iter().for_each(|message| self.log.say(message.clone()));
         }
         Ok(outputs.map(Curves::new))
     }
@@ -244,14 +252,15 @@ impl EvalCx<'_> {
         make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
     ) -> Result<Made, NodeError> {
         self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
-        let mut piece = Piece { host: self.host, scalp, since: 0, troubles: BTreeMap::new() };
+        let mut piece = Piece { host: self.host, scalp, since: 0, said: BTreeMap::new() };
         let tufts: Vec<Vec<Arc<Tuft>>> =
             make(i, &mut piece)?.into_iter().map(Tuft::split).collect();
-        let troubles = piece
-            .troubles
-            .into_iter()
-            .map(|(text, (count, curves))| Message { warning: true, text, count, curves })
-            .collect();
-        Ok(Made { tufts, troubles })
+        let said = piece.said.into_iter().map(|((warning, text), (count, curves))| Message {
+            warning,
+            text,
+            count,
+            curves,
+        });
+        Ok(Made { tufts, said: said.collect() })
     }
 }

@@ -305,6 +305,25 @@ impl Gathered {
     }
 }
 
+/// Why a root has no tie.
+#[derive(Clone, Copy)]
+enum Without {
+    Section,
+    Reach,
+    Parting,
+}
+
+impl Without {
+    /// For hair of the input `roots`.
+    fn said(self) -> &'static str {
+        match self {
+            Self::Section => "hair whose section has no tie was left out (own_section)",
+            Self::Reach => "hair out of reach of its tie was left out (reach)",
+            Self::Parting => "hair on the parting between two ties was left out (parting)",
+        }
+    }
+}
+
 /// A root, its stable id and its tie.
 #[derive(Clone, Copy)]
 struct Rooted {
@@ -336,7 +355,7 @@ impl Gatherer<'_> {
             let every = given.len().div_ceil(PROBES as usize).max(1);
             let roots = given.iter().step_by(every).filter_map(|(tuft, i)| {
                 let root = self.scalp.closest_root(*tuft.curve(*i).first()?)?;
-                self.tie_of(&root).map(|(tie, place)| (tie, place.distance))
+                self.tie_of(&root).ok().map(|(tie, place)| (tie, place.distance))
             });
             roots.collect()
         } else {
@@ -373,7 +392,7 @@ impl Gatherer<'_> {
         let mut out = Vec::with_capacity(found.len());
         for (slot, (name, root)) in found.into_iter().enumerate() {
             if self.keep.unit(name, 0) < mask.at(slot, slot, 0.0)
-                && let Some((tie, place)) = self.tie_of(&root)
+                && let Ok((tie, place)) = self.tie_of(&root)
             {
                 let id = curve_id(self.ties[tie].tie.id, self.inputs.seed as u64, name);
                 self.edge(id, &root, tie, &mut out);
@@ -398,7 +417,7 @@ impl Gatherer<'_> {
             let root = self.scalp.root(hit.triangle, hit.bary);
             let region = self.scalp.grows(root.triangle, root.bary);
             let free = region > 0.5 && self.scalp.free(root.point);
-            let (to, place) = if free { self.tie_of(&root)? } else { return None };
+            let (to, place) = if free { self.tie_of(&root).ok()? } else { return None };
             (to == tie).then_some((root, place))
         };
         // Straight away from the tie and to both sides of that: an edge may run along the hair.
@@ -422,20 +441,18 @@ impl Gatherer<'_> {
         for (tuft, i) in curves {
             let at = tuft.curve(*i).first().copied().unwrap_or(Vec3::NAN);
             match self.scalp.closest_root(at) {
-                Some(root) => out.extend(self.tie_of(&root).map(|(tie, place)| Rooted {
-                    id: tuft.id(*i),
-                    root,
-                    tie,
-                    place,
-                })),
+                Some(root) => match self.tie_of(&root) {
+                    Ok((tie, place)) => out.push(Rooted { id: tuft.id(*i), root, tie, place }),
+                    Err(without) => piece.remark(tuft.id(*i), without.said()),
+                },
                 None => piece.trouble(tuft.id(*i), "a curve without a root was left out"),
             }
         }
         out
     }
 
-    /// The tie of a root; `None` on a parting and out of reach.
-    fn tie_of(&self, root: &Root) -> Option<(usize, Polar)> {
+    /// The tie of a root, and its place about it.
+    fn tie_of(&self, root: &Root) -> Result<(usize, Polar), Without> {
         let mut best: Option<(usize, Polar)> = None;
         let mut second: Option<(usize, Polar)> = None;
         let section = self.sections.map(|sections| sections.of(root));
@@ -450,9 +467,9 @@ impl Gatherer<'_> {
                 second = Some((i, place));
             }
         }
-        let (tie, place) = best?;
+        let (tie, place) = best.ok_or(Without::Section)?;
         if self.inputs.reach > 0.0 && place.distance > self.inputs.reach {
-            return None;
+            return Err(Without::Reach);
         }
         if let Some((other, farther)) = second {
             // How fast the difference of the two distances grows across the line where they are equal.
@@ -461,10 +478,10 @@ impl Gatherer<'_> {
             };
             let grows = (way(tie) - way(other)).length();
             if farther.distance - place.distance < 0.5 * self.inputs.parting * grows {
-                return None;
+                return Err(Without::Parting);
             }
         }
-        Some((tie, place))
+        Ok((tie, place))
     }
 
     fn hair(&self, roots: &[Rooted], piece: &mut Piece) -> Result<Tuft, NodeError> {

@@ -129,3 +129,20 @@ fn hair_that_is_given_keeps_its_ids_and_roots() {
         .find(|(a, b)| a.0 != b.0 || a.1.distance(b.1) > 1e-4);
     assert_eq!(far, None);
 }
+
+#[test]
+fn given_hair_that_has_no_tie_is_left_out_and_told() {
+    let (hair, _) = gather(&[few()]);
+    let given = ("roots", Value::from(hair.clone()));
+    let check = |set: &[(&str, Value)], says: &str| {
+        let set = [&[("scalp", shared_ball().into()), given.clone()], set].concat();
+        let (out, said) = run(&NODE, &set);
+        let left = hair.curve_count() - curves_of(&out[0]).curve_count();
+        let [said] = &said[..] else { panic!("{said:?}") };
+        assert!(left > 0 && said.contains(says), "{said}");
+        assert!(said.contains(&left.to_string()), "{left}: {said}");
+    };
+    check(&[("reach", 4.0.into())], "out of reach of its tie was left out");
+    let two = [("position", Vec3::new(5.0, 6.5, -3.0).into()), ("mirror", true.into())];
+    check(&[&two[..], &[("parting", 1.0.into())]].concat(), "between two ties was left out");
+}
