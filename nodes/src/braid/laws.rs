@@ -253,7 +253,7 @@ fn tubes_touch_and_never_overlap() {
             worst = (most, what);
         }
     };
-    for n in 2..=12i64 {
+    for n in [2i64, 3, 4, 5, 8, 12] {
         for height in [0.0f32, 1.0] {
             let strands = vec![("strands", n.into()), ("height", height.into())];
             for spacing in [0.0f32, 0.35, 0.75, 1.2] {

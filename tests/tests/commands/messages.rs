@@ -116,7 +116,8 @@ fn strict_makes_warnings_errors_in_every_command_and_writes_nothing() {
     let folder = Folder::new("messages-strict");
     let out = folder.path("hair.usda").display().to_string();
     // A value that is clamped is known before anything runs, a hair that is left out is not.
-    let clamped = ["eval", "clusters", "--set", "hair.frizz=7", "--out", &out];
+    let clamped =
+        ["eval", "clusters", "--quality", "preview", "--set", "hair.frizz=7", "--out", &out];
     for (args, plain, strict) in [
         (&clamped[..], 0, 2),
         (&["eval", "box_braids", "--quality", "preview", "--out", &out], 0, 1),

@@ -101,7 +101,7 @@ const PARTED: &str = r#"(
     nodes: {
         "braid": (kind: "lissajous_braid"),
         "braids": (kind: "groom_output", inputs: {"name": "braids"}),
-        "clusters": (kind: "cluster_to_strands", inputs: {"strands": 30, "radius": 0.8}),
+        "clusters": (kind: "cluster_to_strands", inputs: {"strands": 12, "radius": 0.8}),
         "curl": (kind: "shape_list_curl", inputs: {"preset": "3a"}),
         "curls": (kind: "groom_output", inputs: {"name": "curls"}),
         "guides": (kind: "scatter_guides", inputs: {"count": 200, "length": 12.0, "seed": 3}),
@@ -109,7 +109,7 @@ const PARTED: &str = r#"(
         "head": (kind: "head"),
         "lines": (kind: "stroke_input", inputs: {"project": "free"}),
         "parted": (kind: "partings"),
-        "territory": (kind: "braid_territory", inputs: {"density": 20.0}),
+        "territory": (kind: "braid_territory", inputs: {"density": 8.0}),
     },
     links: {
         "braid.scalp": "parted.scalp",
@@ -491,7 +491,7 @@ fn lines_at(ends: &[(u64, [f32; 2])]) -> Strokes {
 fn however_partings_move_under_whatever_nodes_the_hair_is_that_of_a_run_that_keeps_nothing() {
     let dice = Dice::new(0, 0, "partings under graphs");
     let mut reused = BTreeMap::<&str, u32>::new();
-    let (trials, steps) = if std::env::var_os("COIF_LONG").is_some() { (32, 5) } else { (8, 3) };
+    let (trials, steps) = if std::env::var_os("COIF_LONG").is_some() { (32, 5) } else { (5, 3) };
     for trial in 0..trials {
         let any = Any(dice, trial);
         let graph = any_graph(any);
