@@ -112,12 +112,12 @@ const NOT_YET: &[(&str, &[&str])] = &[
     ("box_braids on sintel", &[CROSSING]),
     ("twists on ict_head", &[DEPTH, CROSSING]),
 ];
-const READINGS: &str = "both readings of every curve agree to 0.001 cm";
-const WOVEN: &str = "braids are woven all along as they begin";
+pub(super) const READINGS: &str = "both readings of every curve agree to 0.001 cm";
+pub(super) const WOVEN: &str = "braids are woven all along as they begin";
 const OUTLINES: &str = "outlines of puffs are as clean as asked";
 const TIED: &str = "hair passes its tie";
-const DEPTH: &str = "nothing is deeper under the skin than allowed";
-const CROSSING: &str = "no hair crosses a parting";
+pub(super) const DEPTH: &str = "nothing is deeper under the skin than allowed";
+pub(super) const CROSSING: &str = "no hair crosses a parting";
 const ROOTED: &str = "no hair is rooted in a parting";
 const DIAMETERS: &str = "curl diameters are as asked to 5 %";
 const PITCHES: &str = "curl pitches are as asked to 5 %";

@@ -15,6 +15,8 @@ pub(crate) struct Shipped {
     pub(crate) report: Json,
     /// What was measured, a prim each.
     pub(crate) prims: Vec<Json>,
+    /// Whether only a tenth of its hair was made.
+    pub(crate) is_tenth: bool,
     /// Name, type and interpolation of all primvars of its file.
     pub(crate) primvars: BTreeSet<(String, String, String)>,
 }
@@ -88,5 +90,6 @@ pub(crate) fn evaluate(name: &str, head: Option<&RealHead>, more: &[&str]) -> Sh
     let ran = run(["measure", &out, "--json", "--scalp", mesh]);
     assert_eq!(ran.code, 0, "{name}: {}", ran.err);
     let prims = serde_json::from_str(&ran.out).unwrap_or_else(|err| panic!("{name}: {err}"));
-    Shipped { report, prims, primvars: primvars(folder.path("groom.usdc").as_path()) }
+    let primvars = primvars(folder.path("groom.usdc").as_path());
+    Shipped { report, prims, is_tenth: more.contains(&"preview"), primvars }
 }
