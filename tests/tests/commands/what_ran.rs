@@ -109,7 +109,7 @@ const PARTED: &str = r#"(
         "head": (kind: "head"),
         "lines": (kind: "stroke_input", inputs: {"project": "free"}),
         "parted": (kind: "partings"),
-        "territory": (kind: "braid_territory", inputs: {"density": 8.0}),
+        "territory": (kind: "braid_territory", inputs: {"density": 20.0}),
     },
     links: {
         "braid.scalp": "parted.scalp",
