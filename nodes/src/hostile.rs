@@ -34,7 +34,7 @@ const FEW: &[(&str, &[(&str, f32)])] = &[
     ("cluster_to_strands", &[("strands", 16.0)]),
 ];
 /// Throws of several hostile values at once, for each node; in release (`tests/run.sh --long`) more than in the dev build.
-const THROWS: u64 = if cfg!(debug_assertions) { 5 } else { 60 };
+const THROWS: u64 = if cfg!(debug_assertions) { 4 } else { 60 };
 /// How often a node may look whether to stop before it is asked to, as people do whom much hair takes too long.
 const LOOKS: u32 = 64;
 /// The most that a node may make.
