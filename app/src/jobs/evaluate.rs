@@ -285,12 +285,15 @@ impl OutputRequest {
             ));
         }
         if changes.astray > 0 {
-            report.warnings.push(format!(
-                "{socket}: {} curves find no way out of the skin on which all tools read one shape, or none but over a \
-                 parting; they were {}",
-                changes.astray,
-                if changes.keeps_astray { "kept" } else { "left out" }
-            ));
+            let (all, out) = (changes.astray, changes.astray_left_out);
+            let way = "no way out of the skin on which all tools read one shape, or none but over a parting";
+            report.warnings.push(match out {
+                0 => format!("{socket}: {all} curves find {way}; they were kept"),
+                out if out == all => format!("{socket}: {all} curves find {way}; they were left out"),
+                out => format!(
+                    "{socket}: {out} of {all} curves that find {way} lie in the skin and were left out; the others were kept"
+                ),
+            });
         }
         let curves = conformed;
         if !self.guides {

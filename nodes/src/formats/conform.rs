@@ -7,8 +7,9 @@
 //! allows. Where no points of the same curve do, which is where the skin makes it leap or kink (an ear between two points),
 //! the stretch about that place leaves the curve it was (`repair.rs`): it is led round what tears it, or moved out as a whole, its
 //! tip where it is too. A curve is astray where folds leave it no way, or none but over a parting: such curves are left out where
-//! they are one in [`FEW`] or less, and kept where they are more. Hair of a braid keeps to its side of a parting on its way to it;
-//! its braid may hang over any. Not promised: that those are read alike; the report gives the difference that is left. How hard is
+//! they are one in [`FEW`] or less. Where they are more, only those that lie [`DEEP`] in the skin are, if these are as few, and the
+//! others are kept. Hair of a braid keeps to its side of a parting on its way to it; its braid may hang over any. Not promised: that
+//! curves that are kept astray are read alike; the report gives the difference that is left. How hard is
 //! tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not: all together may take
 //! no more than `Effort::most_tried` says. Stopping is heard within any curve.
 
@@ -50,12 +51,14 @@ pub struct Changes {
     pub left_out: usize,
     /// Curves that still differ, or whose only way out of the skin crosses a parting.
     pub astray: usize,
-    /// Whether these were kept: they are more than one in [`FEW`].
-    pub keeps_astray: bool,
+    /// How many of these were left out: all where they are few, else those that lie in the skin where those are; see [`FEW`].
+    pub astray_left_out: usize,
 }
 
 /// A curve that is astray is left out if there is at most one in so many: a missing hair is invisible, a missing guide is not.
 pub const FEW: usize = 1000;
+/// What lies deeper in the skin than it may by more than this, cm, shows as a hair cut off. The law on depth ends at 0.01.
+const DEEP: f32 = 0.009;
 
 /// Resamples the curves whose uneven CVs would be read as another curve elsewhere: the root stays, all other points are new
 /// ones of the same curve, as far out of `skin` as it allows. A curve that the skin makes uneven, such as one that passes
@@ -75,11 +78,10 @@ pub fn conform(
     let is_cancelled = || host.cancelled();
     let mut looked: Vec<Looked> =
         each(host, tufts.len(), |i| look_at(&tufts[i], &land, &is_cancelled))?;
-    let is_astray = |looked: &Looked| looked.changed.iter().filter(|one| one.astray).count();
     // The effort per curve that still differs depends on the number of such curves, not on how many threads find them.
     let effort = match skin.is_some_and(|skin| skin.is_rough()) {
         true => Effort::None,
-        false => Effort::of(looked.iter().map(is_astray).sum()),
+        false => Effort::of(count(&looked, |one| one.astray)),
     };
     if effort != Effort::None {
         let points: usize = tufts.iter().map(|tuft| tuft.points().len()).sum();
@@ -88,23 +90,39 @@ pub fn conform(
         try_again(&mut looked, tufts, (&land, effort), (false, all, all), host)?;
         try_again(&mut looked, tufts, (&land, effort), (true, all, on_skin), host)?;
     }
-    let astray: usize = looked.iter().map(is_astray).sum();
-    let few = !all_stay && skin.is_some() && astray * FEW <= curves.curve_count();
-    let mut changes = Changes { astray, keeps_astray: astray > 0 && !few, ..Changes::default() };
+    let goes: fn(&Mended) -> bool = match land.skin.filter(|_| !all_stay) {
+        None => |_| false,
+        Some(_) => {
+            let sorts: [fn(&Mended) -> bool; 2] = [|one| one.astray, Mended::is_deep];
+            let few =
+                |sort: &fn(&Mended) -> bool| count(&looked, sort) * FEW <= curves.curve_count();
+            sorts.into_iter().find(few).unwrap_or(|_| false)
+        }
+    };
+    let mut changes = Changes {
+        astray: count(&looked, |one| one.astray),
+        astray_left_out: count(&looked, goes),
+        ..Changes::default()
+    };
     for looked in &looked {
         changes.left_out += looked.left_out;
         changes.difference = changes.difference.max(looked.difference);
-        for Mended { read, astray, .. } in &looked.changed {
+        for one in &looked.changed {
             changes.resampled += 1;
-            changes.moved += usize::from(read.moved > 0.0);
-            changes.farthest = changes.farthest.max(read.moved);
-            if !(*astray && few) {
-                changes.difference = changes.difference.max(read.left);
+            changes.moved += usize::from(one.read.moved > 0.0);
+            changes.farthest = changes.farthest.max(one.read.moved);
+            if !goes(one) {
+                changes.difference = changes.difference.max(one.read.left);
             }
         }
     }
-    let tufts = each(host, tufts.len(), |i| conformed(&tufts[i], &looked[i], few))?;
+    let tufts = each(host, tufts.len(), |i| conformed(&tufts[i], &looked[i], goes))?;
     Some(Conformed { curves: Curves::new(tufts), changes })
+}
+
+/// How many of the changed curves are of a sort.
+fn count(looked: &[Looked], sort: impl Fn(&Mended) -> bool) -> usize {
+    looked.iter().flat_map(|looked| &looked.changed).filter(|one| sort(one)).count()
 }
 
 /// `f(0)..f(n)` on all threads of the host; `None` on cancellation.
@@ -263,8 +281,15 @@ struct Mended {
     /// Its index in the tuft.
     curve: u32,
     read: Read,
-    /// Whether its readings still differ, or it was led over a parting.
+    /// Whether its readings still differ, it still lies in the skin, or it was led over a parting.
     astray: bool,
+}
+
+impl Mended {
+    /// Whether it is astray and lies [`DEEP`] in the skin.
+    fn is_deep(&self) -> bool {
+        self.astray && self.read.dip > DEEP
+    }
 }
 
 /// The last point of a hair on its way to its braid, where it is of one. The step to that is the braid's: it leads into the
@@ -379,7 +404,7 @@ fn mend(
         patience,
     };
     let lifted = mender.lifted();
-    let read = match lifted.agrees() && !is_barred(&lifted) {
+    let read = match mender.takes(&lifted) {
         true => lifted,
         false => mender.read_alike(effort),
     };
@@ -387,8 +412,8 @@ fn mend(
     Some(Mended { curve, read, astray })
 }
 
-/// A tuft with its changed curves, without those that are astray if these are left out.
-fn conformed(tuft: &Arc<Tuft>, looked: &Looked, leaves_astray: bool) -> Arc<Tuft> {
+/// A tuft with its changed curves, without those that go.
+fn conformed(tuft: &Arc<Tuft>, looked: &Looked, goes: impl Fn(&Mended) -> bool) -> Arc<Tuft> {
     if looked.left_out == 0 && looked.changed.is_empty() {
         return tuft.clone();
     }
@@ -398,7 +423,7 @@ fn conformed(tuft: &Arc<Tuft>, looked: &Looked, leaves_astray: bool) -> Arc<Tuft
     for i in 0..tuft.len() {
         let (old, first) = (tuft.curve(i), tuft.offsets()[i]);
         match changed.next_if(|one| one.curve as usize == i) {
-            Some(one) if one.astray && leaves_astray => continue,
+            Some(one) if goes(one) => continue,
             Some(Mended { read, .. }) => {
                 let stops = read.stops.iter();
                 places.extend(stops.map(|(_, place)| (first + place.span as u32, place.t)));
@@ -530,9 +555,9 @@ pub(crate) mod tests {
                 let curves = curves(&lists);
                 let after =
                     conform(&curves, Some(ball.skin()), parted, all_stay, &PlainHost).unwrap();
-                let Changes { astray: found, keeps_astray, difference, .. } = after.changes;
-                assert_eq!((found, keeps_astray), (astray, keeps), "{others}");
+                let Changes { astray: found, astray_left_out, difference, .. } = after.changes;
                 let left_out = if keeps { 0 } else { astray };
+                assert_eq!((found, astray_left_out), (astray, left_out), "{others}");
                 assert_eq!(after.curves.curve_count(), others + 1 - left_out);
                 assert!(keeps || difference <= AGREE, "{difference}");
             };

@@ -3,8 +3,8 @@
 //! Tried in turn until they agree: CVs with equal chords; the same, moved out of the skin as a whole, which keeps chords equal
 //! where pushing single CVs would not; both again after the curve is routed around what tears it. Of the results that move the
 //! curve as a whole, the first that stays near its place ([`NEARBY`]) is taken, else the one that stays nearest: a hair that a
-//! fold throws across the forehead is visible, though its readings agree. Barred results, such as those that cross a parting, are
-//! not taken.
+//! fold throws across the forehead is visible, though its readings agree. What is thrown farther than [`THROWN`] is not taken, nor
+//! are barred results, such as those that cross a parting.
 //!
 //! Guarantees: the root stays, and the tip too except on curves that are moved as a whole; no other CV is deeper in the skin than
 //! allowed by more than [`NEAR`] cm; work is limited by an [`Allowance`] in CVs, not in time, so that the result is the same
@@ -53,6 +53,9 @@ const FARTHEST: (f32, f32) = (12.0, 0.5);
 /// A moved curve is near its place if no CV has moved farther than this multiple of the largest distance required to clear the
 /// skin, plus this distance (cm).
 const NEARBY: (f32, f32) = (1.5, 0.2);
+/// Largest distance from its place, cm, that a curve may be moved. An ear's edge is up to 3 cm away, and a coil as wide as it must
+/// clear it between its CVs too.
+const THROWN: f32 = 4.5;
 /// Depth beyond the allowed one that is tolerated, cm: half of what the law on depth tolerates.
 const NEAR: f32 = 5e-4;
 /// Rounds of equalising chords.
@@ -169,7 +172,7 @@ impl Mender<'_> {
         let mut tried: Vec<Read> = vec![];
         for finer in FINER {
             let (read, leaps) = self.resampled(finer);
-            if read.agrees() && !(self.is_barred)(&read) {
+            if self.takes(&read) {
                 return read;
             }
             tried.push(read);
@@ -189,14 +192,14 @@ impl Mender<'_> {
                             break;
                         }
                         let led = self.led_round(skin, leads[k - 1]);
-                        if led.agrees() && !(self.is_barred)(&led) {
+                        if self.takes(&led) {
                             return led;
                         }
                         starts.push(led);
                     }
                     let read = MOVED_FINER.into_iter().find_map(|finer| {
                         let read = self.moved_out(skin, &starts[k], finer, manner)?;
-                        (!(self.is_barred)(&read)).then_some(read)
+                        self.takes(&read).then_some(read)
                     });
                     match read {
                         Some(read) if read.moved <= near => return read,
@@ -210,10 +213,16 @@ impl Mender<'_> {
                     return read;
                 }
             }
-            tried.extend(starts.into_iter().skip(1).filter(|led| !(self.is_barred)(led)));
+            let stays = |led: &Read| led.moved <= THROWN && !(self.is_barred)(led);
+            tried.extend(starts.into_iter().skip(1).filter(stays));
         }
         tried.sort_by(|a, b| a.left.max(a.dip).total_cmp(&b.left.max(b.dip)));
         tried.swap_remove(0)
+    }
+
+    /// Whether a result is one to take: read alike, out of the skin, near its place and not barred.
+    pub(super) fn takes(&self, read: &Read) -> bool {
+        read.agrees() && read.moved <= THROWN && !(self.is_barred)(read)
     }
 
     /// The curve with its own CVs, out of the skin where it dips between them.
@@ -576,8 +585,7 @@ mod tests {
                 torn += 1;
                 far += usize::from(read.moved > 2.0);
                 assert!(read.agrees(), "{}", read.left);
-                // An ear's edge is up to 3 cm away, and a turn as wide as it is must clear it between its CVs too.
-                assert!(read.moved < 4.5, "thrown {} cm", read.moved);
+                assert!(read.moved <= THROWN, "thrown {} cm", read.moved);
                 assert_eq!(read.points[0], coil[0]);
             }
         }
