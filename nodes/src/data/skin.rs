@@ -102,19 +102,37 @@ impl<'a> Skin<'a> {
         self.roughly(p).map_or(1.0, |(d, ..)| d)
     }
 
-    /// The scalp point closest to `p`: [`Surface::closest`], with the search started by the field.
+    /// The scalp point closest to `p`: [`Surface::closest`], by what the field knows to be near.
     #[inline]
     pub fn closest(&self, p: Vec3) -> Option<Hit> {
-        match self.field.hint(self.surface, p) {
+        self.closest_from(p, None)
+    }
+
+    /// The same, where a triangle near `p` may be known.
+    #[inline]
+    pub(super) fn closest_from(&self, p: Vec3, near: Option<u32>) -> Option<Hit> {
+        if let Some(hit) = self.closest_of_cell(p) {
+            return Some(hit);
+        }
+        match near.or_else(|| self.field.hint(self.surface, p)) {
             Some(near) => self.surface.closest_from(p, near),
             None => self.surface.closest(p),
         }
+    }
+
+    /// [`Self::closest`] where the field knows what is near.
+    #[inline]
+    fn closest_of_cell(&self, p: Vec3) -> Option<Hit> {
+        if self.asks_alone() { None } else { self.field.closest(self.surface, p) }
     }
 
     /// [`Self::closest`], or `None` if it is farther than `reach` (cm), which the field often rules out without a search.
     pub fn closest_within(&self, p: Vec3, reach: f32) -> Option<Hit> {
         if self.field.far(self.surface, p) > reach {
             return None;
+        }
+        if let Some(hit) = self.closest_of_cell(p) {
+            return (hit.distance <= reach).then_some(hit);
         }
         match self.field.hint(self.surface, p) {
             Some(near) => self.surface.closest_within_from(p, reach, near),
@@ -197,8 +215,7 @@ impl<'a> Skin<'a> {
                 let near = near.or_else(|| self.field.hint(self.surface, p));
                 self.surface.closest_of_few(p, near)
             }
-            Some(near) => self.surface.closest_from(p, near),
-            None => self.closest(p),
+            near => self.closest_from(p, near),
         }?;
         Some((self.height_over(p, &hit), hit))
     }
@@ -212,7 +229,7 @@ impl<'a> Skin<'a> {
             return None;
         }
         let hit = match self.has_clear_inside() {
-            true => self.surface.closest_from(p, *near),
+            true => self.closest_from(p, Some(*near)),
             false => self.surface.closest_of_few(p, Some(*near)),
         }?;
         *near = hit.triangle;

@@ -5,7 +5,7 @@
 //! weighted pseudonormal"): exact for closed surfaces, and right near the surface of open ones. Far behind a hole the side is
 //! undefined.
 
-use super::triangle_tree::{Nearest, TriangleTree};
+use super::triangle_tree::{Nearby, Nearest, TriangleTree};
 use glam::{Vec2, Vec3};
 
 /// Triangles with their normals and their tree.
@@ -146,6 +146,18 @@ impl Surface {
         }
         let best = self.at_nearest(p, near);
         self.search(p, best.0.next_up(), best, false)
+    }
+
+    /// The triangles one of which is closest to any point of a ball, for [`Self::closest_of`]; empty where they are not few.
+    pub(super) fn nearby(&self, middle: Vec3, radius: f32) -> Nearby {
+        if self.tree.is_tangled() { Nearby::default() } else { self.tree.nearby(middle, radius) }
+    }
+
+    /// The same as [`Self::closest`] for a point of a ball with this middle, of what is [near](Self::nearby) it.
+    #[inline]
+    pub(super) fn closest_of(&self, p: Vec3, middle: Vec3, nearby: &Nearby) -> Option<Hit> {
+        let (d2, triangle, bary, point) = self.tree.nearest_of(p, middle, nearby);
+        (triangle != u32::MAX).then(|| Hit { triangle, bary, point, distance: d2.sqrt() })
     }
 
     /// The same as [`Self::closest_within`], faster if triangle `near` is close to `p`.

@@ -12,13 +12,16 @@
 //! touch, 0.4 s for 500 guides, most of it for cells that were never used, and seconds for thin fur on a large mesh, where each
 //! hair has its own blocks.
 
-use super::closest::Surface;
+use super::closest::{Hit, Surface};
+use super::triangle_tree::Nearby;
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 
 /// Distance between samples, cm. Doubled as often as needed for a mesh of more than `MOST_BLOCKS`.
 pub const CELL: f32 = 0.2;
+/// Half the diagonal of a cell, in cells, and a little for rounding.
+const HALF_DIAGONAL: f32 = 0.87;
 /// Width of the band around the surface, in cells: 1 cm.
 const BAND_CELLS: f32 = 5.0;
 /// Cells along the edge of a block.
@@ -95,6 +98,13 @@ fn sample_at(cells: IVec3) -> usize {
     (z * SIDE + y) * SIDE + x
 }
 
+/// Index of a cell in its brick.
+#[inline]
+fn cell_at(i: IVec3) -> usize {
+    let [x, y, z] = (i & (BRICK - 1)).to_array().map(|k| k as usize);
+    (z * BRICK as usize + y) * BRICK as usize + x
+}
+
 /// A part of a block, small so that a lookup touches little memory. Samples are computed on first use; two threads that compute
 /// the same one get the same value.
 struct Brick {
@@ -106,6 +116,8 @@ struct Brick {
     centres: [AtomicU16; BRICK_CELLS],
     /// Start of a search here: the triangle found last. It affects how long a search takes, never its result.
     near: AtomicU32,
+    /// For each cell in which closest points were asked for, the triangles near it.
+    nearby: OnceLock<Box<[OnceLock<Nearby>; BRICK_CELLS]>>,
 }
 
 /// Bits that are no distance.
@@ -138,6 +150,7 @@ impl Brick {
             samples: [const { AtomicU32::new(UNKNOWN) }; SAMPLES],
             centres: [const { AtomicU16::new(UNMADE) }; BRICK_CELLS],
             near: AtomicU32::new(near),
+            nearby: OnceLock::new(),
         })
     }
 
@@ -202,8 +215,7 @@ impl DistanceField {
             }
         };
         let corner = sample_at(i & (BRICK - 1));
-        let [x, y, z] = (i & 3).to_array().map(|k| k as usize);
-        let centre = &brick.centres[(z * 4 + y) * 4 + x];
+        let centre = &brick.centres[cell_at(i)];
         // A thread that reads this value also sees the corners, which were stored before it.
         let known = match centre.load(Ordering::Acquire) {
             UNMADE => self.make(surface, brick, i, corner, centre),
@@ -260,6 +272,28 @@ impl DistanceField {
     /// Whether everything around `p` is outside and beyond the band. False means unknown.
     pub fn is_beyond(&self, surface: &Surface, p: Vec3) -> bool {
         matches!(self.place(surface, p), Place::Outside)
+    }
+
+    /// [`Surface::closest`], by the triangles near the cell of `p`, which are looked for once; `None` where these are not few, and
+    /// beyond the band.
+    #[inline]
+    pub fn closest(&self, surface: &Surface, p: Vec3) -> Option<Hit> {
+        let Place::Near { q, i, block } = self.place(surface, p) else { return None };
+        let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
+        let (middle, nearby) = self.nearby(surface, brick, i);
+        let is_in = (q - i.as_vec3() - 0.5).length_squared() < HALF_DIAGONAL * HALF_DIAGONAL;
+        if is_in { surface.closest_of(p, middle, nearby) } else { None }
+    }
+
+    /// The middle of a cell (cm), and the triangles near it.
+    fn nearby<'b>(&self, surface: &Surface, brick: &'b Brick, i: IVec3) -> (Vec3, &'b Nearby) {
+        let middle = self.lowest + (i.as_vec3() + 0.5) * self.cell;
+        let cells = brick.nearby.get_or_init(|| Box::new([const { OnceLock::new() }; BRICK_CELLS]));
+        let nearby = cells[cell_at(i)].get_or_init(|| {
+            let radius = HALF_DIAGONAL * self.cell + 1e-6 * middle.abs().max_element();
+            surface.nearby(middle, radius)
+        });
+        (middle, nearby)
     }
 
     /// A triangle near `p`; `None` if there is none. Samples no cell.
@@ -348,13 +382,27 @@ impl DistanceField {
         centre: &AtomicU16,
     ) -> u16 {
         let low = i.as_vec3();
+        let first = self.known(surface, brick, corner, low);
+        // Few triangles are near cells that are near them.
+        let nearby = (first.abs() <= 2.0 * self.cell).then(|| self.nearby(surface, brick, i));
+        let exact = |off: Vec3| {
+            let p = self.lowest + (low + off) * self.cell;
+            let hit = nearby.and_then(|(middle, nearby)| surface.closest_of(p, middle, nearby));
+            match hit {
+                Some(hit) => surface.signed_distance(p, &hit),
+                None => self.exact(surface, brick, low + off),
+            }
+        };
         for (at, off) in CORNERS {
-            self.known(surface, brick, corner + at, low + Vec3::from(off));
+            if brick.sample(corner + at).to_bits() == UNKNOWN {
+                let distance = exact(Vec3::from(off));
+                brick.samples[corner + at].store(distance.to_bits(), Ordering::Relaxed);
+            }
         }
         let (d, _, doubt) = self.between(brick, corner, Vec3::splat(0.5));
         let mut known = [0, FAR_OFF];
         if d.abs() <= 1.5 * self.cell {
-            let off = (self.exact(surface, brick, low + 0.5) - d).abs();
+            let off = (exact(Vec3::splat(0.5)) - d).abs();
             // (All that there are; `as` turns a negative number into 0.)
             let steps = |off: f32, step: f32| (off * self.per_cell / step).ceil() as u8;
             known = [steps(off - doubt, MORE).min(u8::MAX - 1), steps(off, OFF)];
@@ -401,16 +449,34 @@ impl DistanceField {
 
     /// Bytes held so far.
     pub fn bytes(&self) -> usize {
-        let near = self.blocks.iter().filter_map(|block| match block.get() {
-            Some(Block::Near(near)) => Some(near),
-            _ => None,
-        });
-        let of_block = |near: &Near| {
-            let made = near.bricks.iter().filter(|brick| brick.get().is_some()).count();
-            size_of::<Near>() + made * size_of::<Brick>()
-        };
+        let blocks = self.blocks_near().count() * size_of::<Near>();
+        let bricks = self.bricks().count() * size_of::<Brick>();
+        let lists = self.bricks().filter_map(|brick| brick.nearby.get()).count();
+        let [_, listed] = self.listed();
         self.blocks.len() * size_of::<OnceLock<Block>>()
-            + near.map(|near| of_block(near)).sum::<usize>()
+            + blocks
+            + bricks
+            + lists * BRICK_CELLS * size_of::<OnceLock<Nearby>>()
+            + listed * size_of::<(f32, u32)>()
+    }
+
+    fn blocks_near(&self) -> impl Iterator<Item = &Near> {
+        self.blocks.iter().filter_map(|block| match block.get() {
+            Some(Block::Near(near)) => Some(&**near),
+            _ => None,
+        })
+    }
+
+    fn bricks(&self) -> impl Iterator<Item = &Brick> {
+        self.blocks_near().flat_map(|near| &near.bricks).filter_map(|brick| Some(&**brick.get()?))
+    }
+
+    /// Number of cells for which the triangles near them were looked for, and of those listed, with repeats.
+    fn listed(&self) -> [usize; 2] {
+        let cells = self.bricks().filter_map(|brick| brick.nearby.get()).flat_map(|cells| &**cells);
+        cells
+            .filter_map(OnceLock::get)
+            .fold([0, 0], |[cells, listed], nearby| [cells + 1, listed + nearby.len()])
     }
 }
 
@@ -497,6 +563,32 @@ mod tests {
             fine < 0.5 * whole && wrong * 1000 < near,
             "{fine} of {whole}, {wrong} of {near}: {worst}"
         );
+    }
+
+    #[test]
+    fn the_closest_point_of_what_is_near_a_cell_is_the_closest_of_all() {
+        let bust = crate::scalp::bust::adult();
+        let bust = Surface::new(bust.points.clone(), bust.triangles.clone());
+        let dice = Dice::new(17, 0, "query");
+        // Coarse, fine, and so fine that a cell has too many triangles to list.
+        let mut listed = vec![];
+        for surface in [sphere(1.5, 5), sphere(6.0, 64), bust, sphere(0.3, 128)] {
+            let field = DistanceField::new(&surface);
+            for id in 0..5_000 {
+                let on =
+                    surface.triangles[(dice.unit(id, 0) * surface.triangles.len() as f32) as usize];
+                let off = Vec3::from([1, 2, 3].map(|k| dice.signed(id, k)));
+                let p = surface.points[on[0] as usize] + off * if id % 2 == 0 { 0.2 } else { 1.5 };
+                if let Some(hit) = field.closest(&surface, p) {
+                    assert_eq!(Some(hit), surface.closest(p), "{p}");
+                }
+            }
+            listed.push(field.listed());
+        }
+        println!("cells and triangles listed: {listed:?}");
+        let all_have = |[cells, of_cells]: &[usize; 2]| *cells > 500 && *of_cells > *cells;
+        assert!(listed[..3].iter().all(all_have), "{listed:?}");
+        assert!(listed[3][1] < listed[3][0] / 10, "{listed:?}");
     }
 
     #[test]

@@ -66,6 +66,13 @@ pub(super) struct TriangleTree {
     most: usize,
 }
 
+/// The triangles one of which is nearest to any point of a ball, those nearest to its middle first: distance (cm) from the middle, and
+/// the leaf. Empty where there are more than [`FEW_NEAR`], and for balls that are farther off than they are wide: the tree is as fast.
+pub(super) type Nearby = Box<[(f32, u32)]>;
+
+/// Most triangles that are listed for a ball.
+const FEW_NEAR: usize = 24;
+
 /// Result for a point: squared distance, triangle, weights of its second and third corner, the closest point.
 pub(super) type Nearest = (f32, u32, Vec2, Vec3);
 
@@ -120,7 +127,7 @@ impl TriangleTree {
     fn looks(&self) -> usize {
         self.looks_at_places(|p, _, look| {
             let mut best = f32::MAX;
-            let mut leaf = |leaf: &Leaf| {
+            let mut leaf = |_: u32, leaf: &Leaf| {
                 look();
                 let (_, point) = super::closest::closest_on_triangle(p, leaf.corners);
                 best = best.min(point.distance_squared(p));
@@ -212,7 +219,7 @@ impl TriangleTree {
     /// `few`, at most [`FEW`] are tested.
     #[inline]
     pub(super) fn nearest(&self, p: Vec3, limit: f32, mut best: Nearest, few: bool) -> Nearest {
-        let rounding = ROUNDING * self.largest.max(p.abs().max_element());
+        let rounding = self.rounding(p);
         // Nothing farther than this is tested.
         let beyond = |square: f32| {
             let far = square.sqrt() + rounding;
@@ -222,7 +229,7 @@ impl TriangleTree {
         let mut reach = first;
         self.walk(
             |node| node.squares(p),
-            |leaf| {
+            |_, leaf| {
                 let (bary, point) = super::closest::closest_on_triangle(p, leaf.corners);
                 let square = point.distance_squared(p);
                 let nearer = square < best.0 || (square == best.0 && leaf.triangle < best.1);
@@ -236,6 +243,64 @@ impl TriangleTree {
             if few { self.most.min(FEW) } else { self.most },
         );
         best
+    }
+
+    /// The triangles near a ball.
+    pub(super) fn nearby(&self, middle: Vec3, radius: f32) -> Nearby {
+        let slack = 2.0 * radius + 4.0 * self.rounding(middle);
+        let beyond = |far: f32| {
+            let far = far + slack;
+            far * far
+        };
+        let farthest = 2.0 * radius;
+        let (mut nearest, mut found) = (farthest, vec![]);
+        self.walk(
+            |node| node.squares(middle),
+            |at, leaf| {
+                let (_, point) = super::closest::closest_on_triangle(middle, leaf.corners);
+                let far = point.distance(middle);
+                nearest = nearest.min(far);
+                found.push((far, at));
+                // (All are looked at that may count, but for hopelessly many.)
+                if found.len() > 4 * FEW_NEAR { f32::NEG_INFINITY } else { beyond(nearest) }
+            },
+            beyond(farthest),
+            usize::MAX,
+        );
+        if found.len() > 4 * FEW_NEAR || nearest == farthest {
+            return Box::default();
+        }
+        found.retain(|(far, _)| *far <= nearest + slack);
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if found.len() > FEW_NEAR { Box::default() } else { found.into() }
+    }
+
+    /// The triangle nearest to `p` of those near a ball with this middle, as [`Self::nearest`] finds it if `p` is in the ball.
+    #[inline]
+    pub(super) fn nearest_of(&self, p: Vec3, middle: Vec3, nearby: &[(f32, u32)]) -> Nearest {
+        let rounding = self.rounding(p);
+        let off = p.distance(middle) + 2.0 * rounding;
+        let mut best: Nearest = (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO);
+        let mut reach = f32::MAX;
+        for (far, leaf) in nearby {
+            if *far > reach {
+                break;
+            }
+            let leaf = &self.leaves[*leaf as usize];
+            let (bary, point) = super::closest::closest_on_triangle(p, leaf.corners);
+            let square = point.distance_squared(p);
+            if square < best.0 || (square == best.0 && leaf.triangle < best.1) {
+                best = (square, leaf.triangle, bary, point);
+                reach = square.sqrt() + off;
+            }
+        }
+        best
+    }
+
+    /// Rounding of distances from `p`, cm.
+    #[inline]
+    fn rounding(&self, p: Vec3) -> f32 {
+        ROUNDING * self.largest.max(p.abs().max_element())
     }
 
     /// The first triangle that a ray hits within `reach` times `direction`; ties go to the lowest: triangle, distance as a
@@ -252,7 +317,7 @@ impl TriangleTree {
         let mut best: Option<(u32, f32, Vec2)> = None;
         self.walk(
             |node| node.entries(origin, per),
-            |leaf| {
+            |_, leaf| {
                 let limit = best.map_or(reach, |(_, t, _)| t);
                 if let Some((t, bary)) = meets(leaf.corners)
                     && t <= limit
@@ -282,7 +347,7 @@ impl TriangleTree {
         let mut any = None;
         self.walk(
             |node| node.entries(origin, per),
-            |leaf| {
+            |_, leaf| {
                 if any.is_none() && met(leaf.triangle, leaf.corners) {
                     any = Some(leaf.triangle);
                 }
@@ -300,7 +365,7 @@ impl TriangleTree {
     fn walk(
         &self,
         far: impl Fn(&Node) -> Each,
-        mut leaf: impl FnMut(&Leaf) -> f32,
+        mut leaf: impl FnMut(u32, &Leaf) -> f32,
         mut reach: f32,
         most: usize,
     ) {
@@ -317,7 +382,8 @@ impl TriangleTree {
                 continue;
             }
             if at & LEAF != 0 {
-                reach = leaf(&self.leaves[(at & !LEAF) as usize]);
+                let at = at & !LEAF;
+                reach = leaf(at, &self.leaves[at as usize]);
                 looks += 1;
                 if looks == most {
                     return;
@@ -368,7 +434,7 @@ impl TriangleTree {
                 nodes.set(nodes.get() + 1);
                 node.squares(p)
             },
-            |leaf| {
+            |_, leaf| {
                 leaves += 1;
                 let (_, point) = super::closest::closest_on_triangle(p, leaf.corners);
                 best = best.min(point.distance_squared(p));

@@ -87,7 +87,7 @@ impl Skin<'_> {
             Depth::Near(d, gradient, doubt) if d < (height - doubt).min(-doubt) => {
                 let over = height.max(0.0) + OVERSHOOT;
                 let near = p + gradient.normalize_or_zero() * (over - d);
-                match self.surface.closest_within(near, 2.0 * over).or_else(|| self.closest(near)) {
+                match self.closest(near) {
                     Some(hit) => {
                         let d = self.surface.signed_distance(near, &hit);
                         if height >= 0.0 && d >= height + CLEAR {

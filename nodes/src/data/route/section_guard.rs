@@ -11,7 +11,7 @@
 use crate::data::chart::{CELL, around, cell_of};
 use crate::data::scalp::{Root, Scalp};
 use crate::data::sections::{NONE, Place, Sections};
-use crate::maths::closest::Surface;
+use crate::data::skin::Skin;
 use crate::maths::{nearest_on, smoothstep};
 use glam::Vec3;
 use std::cmp::Reverse;
@@ -154,7 +154,7 @@ impl Home<'_> {
         if self.is_clear(p) {
             return Some(p);
         }
-        let (surface, skin) = (self.scalp.surface(), self.scalp.skin());
+        let skin = self.scalp.skin();
         // Most hair hangs far from any skin, where a search takes longest.
         if skin.stands_off(p, self.cm(FREE)) {
             return Some(p);
@@ -166,12 +166,12 @@ impl Home<'_> {
         if lying == 0.0 {
             return Some(p);
         }
-        let off = self.off_partings(surface, hit.point, near)? - hit.point;
+        let off = self.off_partings(&skin, hit.point, near)? - hit.point;
         Some(p + off * smoothstep(lying))
     }
 
     /// A point of the scalp moved into the section and off its partings.
-    fn off_partings(&self, surface: &Surface, mut at: Vec3, near: &mut u32) -> Option<Vec3> {
+    fn off_partings(&self, skin: &Skin, mut at: Vec3, near: &mut u32) -> Option<Vec3> {
         for _ in 0..ROUNDS {
             let within = self.within(at);
             let Some(([a, b], bare)) = self.sections.nearest_piece(at) else { return Some(at) };
@@ -185,8 +185,8 @@ impl Home<'_> {
             let wanted = least + (bare - least) * (bare - least) / (2.0 * bare - least - within);
             let along = b - a;
             let (on_line, _) = nearest_on([a, b], at);
-            let hit = surface.closest_from(at, *near)?;
-            let normal = surface.smooth_normal(hit.triangle, hit.bary);
+            let hit = skin.closest_from(at, Some(*near))?;
+            let normal = skin.smooth_normal(&hit);
             let aside = along.cross(normal).normalize_or_zero();
             let mut away = (at - on_line).reject_from_normalized(normal);
             away = match within.abs() > self.cm(0.02) {
@@ -197,7 +197,7 @@ impl Home<'_> {
                     false => -aside,
                 },
             };
-            let hit = surface.closest_from(at + away * (wanted - within), *near)?;
+            let hit = skin.closest_from(at + away * (wanted - within), Some(*near))?;
             (at, *near) = (hit.point, hit.triangle);
         }
         // Narrower than a parting's bare skin: in the section at least.
@@ -290,7 +290,7 @@ impl Ways<'_> {
         for _ in 0..PULLS {
             for k in 1..ON_WAY - 1 {
                 let between = (way[k - 1] + way[k + 1]) * 0.5;
-                let hit = self.home.scalp.surface().closest_from(between, near)?;
+                let hit = self.home.scalp.skin().closest_from(between, Some(near))?;
                 near = hit.triangle;
                 way[k] = self.home.kept(hit.point, &mut near).unwrap_or(way[k]);
             }
