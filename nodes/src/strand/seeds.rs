@@ -40,13 +40,29 @@ impl Seeds {
     }
     /// The nearest seed in the cell of a place and its neighbours.
     pub(super) fn nearest(&self, p: Vec3) -> Seed {
-        let cell = (p / self.side).floor().to_array().map(|x| x as i64);
+        let q = p / self.side;
+        let low = q.floor();
+        let cell = low.to_array().map(|x| x as i64);
+        // How far off the cells beside it are, less what is rounded.
+        let rounding = 1e-6 * (1.0 + q.abs().max_element());
+        let [below, above] = [q - low, Vec3::ONE - (q - low)];
+        let [below, above] = [below, above].map(|off| (off - rounding).max(Vec3::ZERO).to_array());
         let mut best = self.seed(cell);
+        let mut reach = best.at.distance_squared(p) / (self.side * self.side) * 1.001;
         for k in (0..27i64).filter(|k| *k != 13) {
             let step = [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1];
+            let off = |a: usize| match step[a] {
+                -1 => below[a],
+                1 => above[a],
+                _ => 0.0,
+            };
+            if off(0) * off(0) + off(1) * off(1) + off(2) * off(2) > reach {
+                continue;
+            }
             let seed = self.seed([0, 1, 2].map(|axis| cell[axis].saturating_add(step[axis])));
             if seed.at.distance_squared(p) < best.at.distance_squared(p) {
                 best = seed;
+                reach = best.at.distance_squared(p) / (self.side * self.side) * 1.001;
             }
         }
         best

@@ -34,12 +34,14 @@ impl Waves {
             let t = (q - low).to_array().map(blend);
             let cell = low.to_array().map(|x| x as i64);
             let mut sum = Vec3::ZERO;
-            for corner in 0..8u32 {
+            let side = |a: usize, high: usize| cell[a].saturating_add(high as i64) as u64;
+            // What corners share is drawn once.
+            let of_x = [0, 1].map(|x| self.dice.bits(octave, side(0, x)));
+            let of_y = [0, 1, 2, 3].map(|xy| self.dice.bits(of_x[xy & 1], side(1, xy >> 1)));
+            for corner in 0..8usize {
                 let high = [0, 1, 2].map(|axis| corner >> axis & 1);
-                let [x, y, z] =
-                    [0, 1, 2].map(|a| cell[a].saturating_add(i64::from(high[a])) as u64);
                 let share = |a: usize| if high[a] == 1 { t[a] } else { 1.0 - t[a] };
-                let bits = self.dice.bits(self.dice.bits(self.dice.bits(octave, x), y), z);
+                let bits = self.dice.bits(of_y[corner & 3], side(2, high[2]));
                 sum += vector(bits) * (share(0) * share(1) * share(2));
             }
             sum
