@@ -18,7 +18,7 @@
 mod made;
 mod soup;
 
-pub use made::{Made, make, region};
+pub use made::{Made, head_of, make, region};
 pub use soup::{Near, Soup};
 
 use coif_nodes::formats::usd::read::{ReadCurves, ReadValues};

@@ -196,7 +196,10 @@ pub struct Folder(PathBuf);
 impl Folder {
     /// An empty folder.
     pub fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("coif-{test}-{}", std::process::id()));
+        Self::at(std::env::temp_dir().join(format!("coif-{test}-{}", std::process::id())))
+    }
+    /// An empty folder at this path, without what was there.
+    pub fn at(path: PathBuf) -> Self {
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).expect("a temporary folder");
         Self(path)

@@ -41,37 +41,16 @@ pub fn make(
     quality: Quality,
     evaluator: &Evaluator,
 ) -> Result<Made, String> {
-    let mut document = file::read(text).map_err(|err| err.to_string())?.document;
-    if let Some(head) = head {
-        put_on(&mut document, head);
-    }
-    let of = |kind: &str, output: &str| -> Vec<Socket> {
-        let nodes = document.nodes.iter().filter(|(_, node)| node.kind == kind);
-        nodes.map(|(id, _)| Socket::new(id.clone(), output)).collect()
-    };
-    let outputs = of("groom_output", "curves");
-    let (heads, parted) = (of("head", "scalp"), of("partings", "scalp"));
+    let document = document_on(text, head)?;
+    let outputs = sockets(&document, "groom_output", "curves");
+    let (heads, parted) =
+        (sockets(&document, "head", "scalp"), sockets(&document, "partings", "scalp"));
     let targets: Vec<Socket> = [&outputs[..], &heads, &parted].concat();
-    let plan = plan(&document, &targets, quality, &DiskFiles::new(folder))
-        .map_err(|err| err.to_string())?;
-    let cancel = CancelToken::default();
-    let outcome = evaluator.run(&plan, OnFailure::Stop, &cancel, &Quiet);
-    let failed = outcome.nodes.iter().find_map(|node| Some((&node.name, node.error.as_ref()?)));
-    if let Some((node, err)) = failed {
-        return Err(format!("{node}: {err}"));
-    }
-    let mut given = outcome.targets.into_iter();
+    let mut given = evaluated(&document, &targets, folder, quality, evaluator)?.into_iter();
     let hair: Vec<Option<Value>> = given.by_ref().take(outputs.len()).collect();
-    let scalps = |given: &mut dyn Iterator<Item = Option<Value>>| -> Vec<Arc<Scalp>> {
-        let scalp = |value| match value {
-            Some(Value::Scalp(scalp)) => Some(scalp),
-            _ => None,
-        };
-        given.filter_map(scalp).collect()
-    };
-    let heads = scalps(&mut given.by_ref().take(heads.len()));
-    let parted = scalps(&mut given);
-    let [head] = &heads[..] else { return Err(format!("{} heads, not one", heads.len())) };
+    let head = only_head(given.by_ref().take(heads.len()))?;
+    let parted: Vec<Arc<Scalp>> = scalps(given).collect();
+    let cancel = CancelToken::default();
     let host = evaluator.host(&cancel);
     let (mut groups, mut astray) = (vec![], 0);
     for (socket, value) in outputs.iter().zip(hair) {
@@ -88,7 +67,68 @@ pub fn make(
         let (name, curves) = (socket.node.to_string(), conformed.curves);
         groups.push(HairGroup { name, guides: false, curves });
     }
-    Ok(Made { curves: written(&groups)?, skin: skin(head)?, frame: *head.frame(), astray })
+    Ok(Made { curves: written(&groups)?, skin: skin(&head)?, frame: *head.frame(), astray })
+}
+
+/// The skin and the frame of the head that a graph puts its hair on, as [`make`] has them.
+///
+/// # Errors
+/// It is no graph, or it has not one head.
+pub fn head_of(
+    text: &str,
+    folder: &Path,
+    head: Option<&Path>,
+    evaluator: &Evaluator,
+) -> Result<(Soup, HeadFrame), String> {
+    let document = document_on(text, head)?;
+    let heads = sockets(&document, "head", "scalp");
+    let given = evaluated(&document, &heads, folder, Quality::Preview, evaluator)?;
+    let head = only_head(given.into_iter())?;
+    Ok((skin(&head)?, *head.frame()))
+}
+
+fn document_on(text: &str, head: Option<&Path>) -> Result<Document, String> {
+    let mut document = file::read(text).map_err(|err| err.to_string())?.document;
+    head.inspect(|head| put_on(&mut document, head));
+    Ok(document)
+}
+
+/// An output of all nodes of a kind.
+fn sockets(document: &Document, kind: &str, output: &str) -> Vec<Socket> {
+    let nodes = document.nodes.iter().filter(|(_, node)| node.kind == kind);
+    nodes.map(|(id, _)| Socket::new(id.clone(), output)).collect()
+}
+
+fn evaluated(
+    document: &Document,
+    targets: &[Socket],
+    folder: &Path,
+    quality: Quality,
+    evaluator: &Evaluator,
+) -> Result<Vec<Option<Value>>, String> {
+    let plan =
+        plan(document, targets, quality, &DiskFiles::new(folder)).map_err(|err| err.to_string())?;
+    let outcome = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+    let failed = outcome.nodes.iter().find_map(|node| Some((&node.name, node.error.as_ref()?)));
+    match failed {
+        Some((node, err)) => Err(format!("{node}: {err}")),
+        None => Ok(outcome.targets),
+    }
+}
+
+fn scalps(given: impl Iterator<Item = Option<Value>>) -> impl Iterator<Item = Arc<Scalp>> {
+    given.filter_map(|value| match value {
+        Some(Value::Scalp(scalp)) => Some(scalp),
+        _ => None,
+    })
+}
+
+fn only_head(given: impl Iterator<Item = Option<Value>>) -> Result<Arc<Scalp>, String> {
+    let heads: Vec<_> = scalps(given).collect();
+    match &heads[..] {
+        [head] => Ok(head.clone()),
+        heads => Err(format!("{} heads, not one", heads.len())),
+    }
 }
 
 /// Puts another mesh under all heads of a graph.

@@ -1,10 +1,10 @@
-//! The same bits everywhere: the content hash of every shipped groom, of heroes that of a tenth of their hair, every other one on one
-//! thread; in dev and in release where `COIF_PROGRAM` names a release build.
+//! The same bits everywhere: the content hash of a tenth of the hair of every shipped groom, every other one on one thread; in dev and in
+//! release where `COIF_PROGRAM` names a release build.
 //!
 //! A hash changes only when hair changes. If it is meant to, `UPDATE_EXPECT=1 cargo test -p coif-tests --test grooms golden`
 //! writes the new ones, and the changelog says why.
 
-use super::shipped::{shipped, tenth};
+use super::shipped::tenth;
 use coif_graphs::grooms;
 use coif_tests::{Ran, program, run_with};
 use expect_test::expect_file;
@@ -26,16 +26,13 @@ fn lines_of(name: &str, report: &Json) -> String {
 
 #[test]
 fn every_shipped_groom_has_its_hash() {
-    let report = |name| match grooms::HEROES.contains(&name) {
-        true => &tenth(name).report,
-        false => &shipped(name).report,
-    };
+    let report = |name| &tenth(name, None).report;
     let lines: String = grooms::ALL.iter().map(|(name, _)| lines_of(name, report(name))).collect();
     expect_file!["../../goldens/grooms.txt"].assert_eq(&lines);
 }
 
-/// The build of these tests, on one thread, where the others run two in the build that `COIF_PROGRAM` names. A tenth of the hair goes
-/// the way of all of it.
+/// The build of these tests, on one thread, where every other one ran on two in the build that `COIF_PROGRAM` names. A tenth of the hair
+/// goes the way of all of it.
 #[test]
 #[ignore = "every groom twice: tests/run.sh --long"]
 fn one_thread_and_another_build_give_the_same_hair() {
@@ -44,6 +41,6 @@ fn one_thread_and_another_build_give_the_same_hair() {
         let Ran { code, out, err } = run_with(program(), args);
         assert_eq!(code, 0, "{name}: {err}");
         let report = serde_json::from_str(&out).unwrap_or_else(|err| panic!("{name}: {err}"));
-        assert_eq!(lines_of(name, &report), lines_of(name, &tenth(name).report));
+        assert_eq!(lines_of(name, &report), lines_of(name, &tenth(name, None).report));
     }
 }

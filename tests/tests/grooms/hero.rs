@@ -4,9 +4,9 @@
 //! there or not; a line whose groom is not shipped is told. On the real heads a tenth of the hair stands for all, and each
 //! hero sits on one of them; the ignored test judges all of it on every head (`tests/run.sh --long`, minutes).
 
-use super::shipped::{all_of_heroes, evaluate, shipped};
+use super::shipped::{Shipped, all_hair, evaluate, shipped, tenth};
 use coif_graphs::grooms;
-use coif_tests::{RealHead, one_of, real_heads};
+use coif_tests::{Folder, one_of, real_heads};
 use serde_json::Value as Json;
 
 /// What a groom's file must show, beside what all must.
@@ -154,7 +154,7 @@ fn check_laws(
         }
         match (broken, not_yet.contains(law)) {
             (Some(prim), false) => wrong.push(format!("{name}: {law} is broken\n{prim:#}")),
-            (None, true) if all_of_heroes() => {
+            (None, true) if all_hair() => {
                 wrong.push(format!("{name}: {law} holds; take it off the list"))
             }
             _ => {}
@@ -173,7 +173,7 @@ fn asks_of(name: &str) -> &'static [Ask] {
 
 /// Laws by which a tenth of the hair is not judged.
 fn of_all_hair<'l>(laws: &'l [&'l str]) -> &'l [&'l str] {
-    if all_of_heroes() { laws } else { &[] }
+    if all_hair() { laws } else { &[] }
 }
 
 /// Tells where a groom does not show what is asked of it.
@@ -190,7 +190,7 @@ fn check_ask(name: &str, prims: &[Json], ask: &Ask, wrong: &mut Vec<String>) {
             for kind in found(prims, "braids").flat_map(|b| b["kinds"].as_array().unwrap()) {
                 let as_asked = kind["strands"] == *strands && kind["crossing"] == *crossing;
                 // A strand of few hairs does not always show how it is woven.
-                must(as_asked || !all_of_heroes(), kind);
+                must(as_asked || !all_hair(), kind);
                 braids += if as_asked { kind["braids"].as_u64().unwrap() } else { 0 };
             }
             must(braids >= *at_least, &format_args!("{braids} braids"));
@@ -259,7 +259,7 @@ fn heroes_show_what_their_style_shows() {
         let prims = shipped(name).hair();
         let strands = |prim: &Json| prim["curves"].as_u64().unwrap();
         let all: u64 = prims.iter().map(strands).sum();
-        if all_of_heroes() && !STRANDS.contains(&all) {
+        if all_hair() && !STRANDS.contains(&all) {
             wrong.push(format!("{name}: {all} strands"));
         }
         check_laws(name, &prims, LAWS, not_yet(NOT_YET, name), &mut wrong);
@@ -284,7 +284,7 @@ fn heroes_sit_on_real_heads() {
     let heads: Vec<_> = real_heads("heroes_sit_on_real_heads").collect();
     for (i, name) in grooms::HEROES.iter().enumerate() {
         for head in one_of(&heads, i) {
-            check_on(name, head, &["--quality", "preview"], OF_ANY_HAIR, &mut wrong);
+            check_on(name, head.name, tenth(name, Some(head)), OF_ANY_HAIR, &mut wrong);
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -295,19 +295,21 @@ fn heroes_sit_on_real_heads() {
 fn heroes_sit_on_real_heads_with_all_their_hair() {
     let mut wrong = vec![];
     for head in real_heads("heroes_sit_on_real_heads_with_all_their_hair") {
-        grooms::HEROES.iter().for_each(|name| check_on(name, &head, &[], LAWS, &mut wrong));
+        for name in grooms::HEROES {
+            let all = evaluate(name, Some(&head), false, Folder::new("all-their-hair"));
+            check_on(name, head.name, &all, LAWS, &mut wrong);
+        }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Evaluates a hero on a head and judges it by these laws.
-fn check_on(name: &str, head: &RealHead, more: &[&str], laws: &[&str], wrong: &mut Vec<String>) {
-    let shipped = evaluate(name, Some(head), more);
+/// Judges a hero on a head by these laws.
+fn check_on(name: &str, on: &str, shipped: &Shipped, laws: &[&str], wrong: &mut Vec<String>) {
     let prims = shipped.hair();
-    let what = format!("{name} on {}", head.name);
+    let what = format!("{name} on {on}");
     println!("{what}: {}", shipped.report["warnings"]);
     check_laws(&what, &prims, laws, not_yet(NOT_YET, &what), wrong);
-    let all = more.is_empty();
+    let all = !shipped.is_tenth;
     for ask in asks_of(name) {
         let laws = match ask {
             Ask::Partings(_) => &[CROSSING, ROOTED][..],

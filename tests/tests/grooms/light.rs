@@ -2,10 +2,10 @@
 //! and sits where it should.
 
 use super::hero::{CROSSING, DEPTH, READINGS, WOVEN};
-use super::shipped::{Shipped, evaluate, shipped};
+use super::shipped::{Shipped, evaluate, recipe, shipped, tenth};
 use coif_graphs::document::graph::check;
 use coif_graphs::{file, grooms};
-use coif_tests::{one_of, smooth_heads};
+use coif_tests::{Folder, one_of, smooth_heads};
 use expect_test::expect_file;
 use serde_json::Value as Json;
 
@@ -42,7 +42,7 @@ fn check_on(name: &str, on: &str, shipped: &Shipped, most_astray: f64) {
     let warnings = report["warnings"].as_array().unwrap().iter().filter_map(Json::as_str);
     let failed: Vec<&str> = warnings.filter(|warning| too_many(warning)).collect();
     assert!(failed.is_empty(), "{name} on {on}: {failed:?}");
-    for prim in &shipped.prims {
+    for prim in shipped.prims() {
         // Free braids and sample rows hang in the air by design; they have no roots on the scalp.
         let in_the_air = prim["path"].as_str().unwrap().contains("free");
         // This bust is an open shell that ends above the tips: hair that falls over its rim is led into it or out of it.
@@ -66,7 +66,7 @@ fn check_on(name: &str, on: &str, shipped: &Shipped, most_astray: f64) {
 }
 
 /// All grooms but heroes, which `hero.rs` judges.
-fn light() -> impl Iterator<Item = &'static str> {
+pub(super) fn light() -> impl Iterator<Item = &'static str> {
     grooms::ALL.iter().map(|(name, _)| *name).filter(|name| !grooms::HEROES.contains(name))
 }
 
@@ -81,9 +81,8 @@ fn every_groom_sits_on_real_heads() {
     let heads: Vec<_> = smooth_heads("every_groom_sits_on_real_heads").collect();
     for (i, name) in light().enumerate() {
         for head in one_of(&heads, i) {
-            let tenth = evaluate(name, Some(head), &["--quality", "preview"]);
             // Export may leave out one hair in a thousand.
-            check_on(name, head.name, &tenth, 0.001);
+            check_on(name, head.name, tenth(name, Some(head)), 0.001);
         }
     }
 }
@@ -92,7 +91,10 @@ fn every_groom_sits_on_real_heads() {
 #[ignore = "minutes in release"]
 fn every_groom_sits_on_real_heads_with_all_its_hair() {
     for head in smooth_heads("every_groom_sits_on_real_heads_with_all_its_hair") {
-        light().for_each(|name| check_on(name, head.name, &evaluate(name, Some(&head), &[]), 0.0));
+        for name in light() {
+            let all = evaluate(name, Some(&head), false, Folder::new("all-its-hair"));
+            check_on(name, head.name, &all, 0.0);
+        }
     }
 }
 
@@ -102,14 +104,10 @@ fn recipes_sit_on_the_built_in_head_and_on_real_ones() {
     let real: Vec<_> = smooth_heads("recipes_sit_on_real_heads").collect();
     let places: Vec<_> = [None].into_iter().chain(real.iter().map(Some)).collect();
     for (i, (name, _)) in grooms::TEMPLATES.iter().enumerate() {
-        let file = template(name);
+        let file = recipe(name);
         for head in one_of(&places, i) {
             let on = head.map_or("the built-in head", |head| head.name);
-            check_on(&file, on, &evaluate(&file, *head, &["--quality", "preview"]), 0.005);
+            check_on(&file, on, tenth(&file, *head), 0.005);
         }
     }
-}
-
-fn template(name: &str) -> String {
-    coif_tests::repository().join(format!("graphs/templates/{name}.ron")).display().to_string()
 }

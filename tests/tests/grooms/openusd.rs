@@ -1,6 +1,6 @@
 //! Written files as OpenUSD itself opens them.
 
-use super::shipped::{Tenth, tenth};
+use super::shipped::{Shipped, tenth};
 use coif_graphs::grooms;
 use coif_tests::usd_python;
 use serde_json::Value as Json;
@@ -12,7 +12,7 @@ fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
     let Some(python) = usd_python(test) else { return };
     let every = if std::env::var_os("COIF_LONG").is_some() { 1 } else { 2 };
     let some = grooms::ALL.iter().step_by(every);
-    let written: Vec<(&str, &Tenth)> = some.map(|(name, _)| (*name, tenth(name))).collect();
+    let written: Vec<(&str, &Shipped)> = some.map(|(name, _)| (*name, tenth(name, None))).collect();
     let script = coif_tests::repository().join("tests/usd/validate.py");
     // What each of the files holds; of two of one groom, whether they hold the same.
     let opened = |how: &str, count: usize| -> Json {
@@ -26,7 +26,7 @@ fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
     };
     // By the number of files that a groom has.
     let found = [opened("report", 1), opened("pairs", 2)];
-    for (name, Tenth { report, files, .. }) in &written {
+    for (name, Shipped { report, files, .. }) in &written {
         let count = |key: &str| -> u64 {
             report["outputs"].as_array().unwrap().iter().map(|o| o[key].as_u64().unwrap()).sum()
         };

@@ -1,95 +1,115 @@
-//! Each shipped groom, evaluated once a head: its report, and what `coif measure` finds in the written file alone. And a tenth of its
-//! hair, for what any hair tells.
+//! Grooms and recipes as the tests of this program look at them: each is evaluated once on each head that it is asked for on, to files
+//! that all tests share. `coif measure` judges them by the file alone.
 
 use super::pages::primvars;
 use coif_graphs::grooms;
-use coif_tests::{Folder, RealHead, eval, run};
+use coif_tests::{Folder, RealHead, eval, repository, run};
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// A groom that was evaluated and measured.
+/// A groom that was evaluated to files.
 pub(crate) struct Shipped {
     /// What `coif eval` reported.
     pub(crate) report: Json,
-    /// What was measured, a prim each.
-    pub(crate) prims: Vec<Json>,
+    /// What was written: `usdc`, and before it `usda` on the built-in head of what is [`AS_TEXT`].
+    pub(crate) files: Vec<String>,
     /// Whether only a tenth of its hair was made.
     pub(crate) is_tenth: bool,
-    /// Name, type and interpolation of all primvars of its file.
-    pub(crate) primvars: BTreeSet<(String, String, String)>,
-}
-
-impl Shipped {
-    /// The prims that renderers draw.
-    pub(crate) fn hair(&self) -> Vec<Json> {
-        self.prims.iter().filter(|prim| prim["purpose"] != "guide").cloned().collect()
-    }
-}
-
-/// Whether all hair of heroes is judged, which takes minutes: `tests/run.sh --long`.
-pub(crate) fn all_of_heroes() -> bool {
-    std::env::var_os("COIF_LONG").is_some()
-}
-
-/// A groom on the built-in head with all its hair, or a tenth of it where it is a hero and not [`all_of_heroes`] is judged. Evaluated by
-/// whoever asks first: of grooms in turn one on one thread and one on two, which give the same hair.
-pub(crate) fn shipped(name: &'static str) -> &'static Shipped {
-    static ALL: OnceLock<BTreeMap<&str, OnceLock<Shipped>>> = OnceLock::new();
-    let all = || grooms::ALL.iter().map(|(name, _)| (*name, OnceLock::new())).collect();
-    let number = grooms::ALL.iter().position(|(known, _)| *known == name);
-    let threads = if number.is_some_and(|n| n % 2 == 0) { "1" } else { "2" };
-    let tenth = grooms::HEROES.contains(&name) && !all_of_heroes();
-    let quality = if tenth { "preview" } else { "final" };
-    ALL.get_or_init(all)[name]
-        .get_or_init(|| evaluate(name, None, &["--threads", threads, "--quality", quality]))
-}
-
-/// Heroes whose text is written too; of the others `usdc` alone, for a tenth of their hair is 20 MB of text each.
-const AS_TEXT: [&str; 3] = ["afro_4c", "box_braids", "ponytail"];
-
-/// A tenth of a groom's hair on the built-in head.
-pub(crate) struct Tenth {
-    /// What `coif eval` reported.
-    pub(crate) report: Json,
-    /// What was written: `usda` and `usdc`, or `usdc` alone.
-    pub(crate) files: Vec<String>,
+    /// What `coif measure` takes for its head.
+    scalp: String,
+    measured: OnceLock<Vec<Json>>,
     _folder: Folder,
 }
 
-/// A tenth of a groom's hair, evaluated on two threads by whoever asks first.
-pub(crate) fn tenth(name: &'static str) -> &'static Tenth {
-    static ALL: OnceLock<BTreeMap<&str, OnceLock<Tenth>>> = OnceLock::new();
-    let all = || grooms::ALL.iter().map(|(name, _)| (*name, OnceLock::new())).collect();
-    ALL.get_or_init(all)[name].get_or_init(|| {
-        let folder = Folder::new(&format!("tenth-{name}"));
-        let both = !grooms::HEROES.contains(&name) || AS_TEXT.contains(&name);
-        let endings = if both { &["usda", "usdc"][..] } else { &["usdc"] };
-        let file = |ending| folder.path(&format!("{name}.{ending}")).display().to_string();
-        let files: Vec<String> = endings.iter().map(file).collect();
-        let out = files.iter().flat_map(|file| ["--out", file]);
-        let args = ["--quality", "preview", "--threads", "2"].into_iter().chain(out);
-        Tenth { report: eval(name, &args.collect::<Vec<_>>()), files, _folder: folder }
-    })
+impl Shipped {
+    /// Its `usdc` file.
+    pub(crate) fn file(&self) -> &Path {
+        Path::new(&self.files[self.files.len() - 1])
+    }
+    /// What was measured, a prim each.
+    pub(crate) fn prims(&self) -> &[Json] {
+        self.measured.get_or_init(|| {
+            let file = self.file().display().to_string();
+            let ran = run(["measure", &file, "--json", "--scalp", &self.scalp]);
+            assert_eq!(ran.code, 0, "{file}: {}", ran.err);
+            serde_json::from_str(&ran.out).unwrap_or_else(|err| panic!("{file}: {err}"))
+        })
+    }
+    /// The prims that renderers draw.
+    pub(crate) fn hair(&self) -> Vec<Json> {
+        self.prims().iter().filter(|prim| prim["purpose"] != "guide").cloned().collect()
+    }
+    /// Name, type and interpolation of all primvars of its file.
+    pub(crate) fn primvars(&self) -> BTreeSet<(String, String, String)> {
+        primvars(self.file())
+    }
 }
 
-/// Evaluates a groom, by its name or its file, to a file and measures that.
-#[track_caller]
-pub(crate) fn evaluate(name: &str, head: Option<&RealHead>, more: &[&str]) -> Shipped {
-    // Evaluations use both cores and, on a real head, a quarter of a gigabyte: one at a time.
-    static TURN: Mutex<u32> = Mutex::new(0);
-    let mut turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    *turn += 1;
+/// Whether all hair is judged, which takes minutes: `tests/run.sh --long`.
+pub(crate) fn all_hair() -> bool {
+    std::env::var_os("COIF_LONG").is_some()
+}
+
+/// A groom on the built-in head, with a tenth of its hair where not [`all_hair`] is judged.
+pub(crate) fn shipped(name: &str) -> &'static Shipped {
+    made(name, None, !all_hair())
+}
+
+/// A tenth of the hair of a groom or a [`recipe`].
+pub(crate) fn tenth(name: &str, head: Option<&RealHead>) -> &'static Shipped {
+    made(name, head, true)
+}
+
+/// The file of a recipe, which stands for its name.
+pub(crate) fn recipe(name: &str) -> String {
+    repository().join(format!("graphs/templates/{name}.ron")).display().to_string()
+}
+
+/// Evaluated by whoever asks first; the files stay until the next run.
+fn made(name: &str, head: Option<&RealHead>, is_tenth: bool) -> &'static Shipped {
+    static ALL: Mutex<BTreeMap<String, &'static OnceLock<Shipped>>> = Mutex::new(BTreeMap::new());
+    let kind = if name.ends_with(".ron") { "recipe" } else { "groom" };
     let stem = Path::new(name).file_stem().unwrap_or_default().display();
-    let folder = Folder::new(&format!("groom-{stem}-{turn}"));
-    let out = folder.path("groom.usdc").display().to_string();
-    let on = head.map_or(vec![], RealHead::eval_args);
-    let report = eval(name, &[&["--out", &out], &on[..], more].concat());
-    let mesh = head.map_or("builtin", |head| head.mesh.as_str());
-    let ran = run(["measure", &out, "--json", "--scalp", mesh]);
-    assert_eq!(ran.code, 0, "{name}: {}", ran.err);
-    let prims = serde_json::from_str(&ran.out).unwrap_or_else(|err| panic!("{name}: {err}"));
-    let primvars = primvars(folder.path("groom.usdc").as_path());
-    Shipped { report, prims, is_tenth: more.contains(&"preview"), primvars }
+    let on = head.map_or("builtin", |head| head.name);
+    let key = format!("{kind}-{stem}-{on}-{}", if is_tenth { "tenth" } else { "all" });
+    let cell: &'static OnceLock<Shipped> = ALL
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .entry(key.clone())
+        .or_insert_with(|| Box::leak(Box::default()));
+    let folder = || Folder::at(Path::new(env!("CARGO_TARGET_TMPDIR")).join("grooms").join(&key));
+    cell.get_or_init(|| evaluate(name, head, is_tenth, folder()))
+}
+
+/// Grooms whose text is written too, with every kind of prim and attribute; of coils it would be 300 MB.
+const AS_TEXT: [&str; 7] =
+    ["start", "braids", "cornrows", "box_braids", "ponytail", "puffs", "sketch_mohawk"];
+
+/// Evaluates a groom, by its name or its file, to files in a folder. Of shipped grooms in turn one on one thread and one on two, which
+/// give the same hair.
+#[track_caller]
+pub(crate) fn evaluate(
+    name: &str,
+    head: Option<&RealHead>,
+    is_tenth: bool,
+    folder: Folder,
+) -> Shipped {
+    // Evaluations use both cores and, on a real head, a quarter of a gigabyte: one at a time.
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let number = grooms::ALL.iter().position(|(known, _)| *known == name);
+    let as_text = is_tenth && head.is_none() && AS_TEXT.contains(&name);
+    let endings = if as_text { &["usda", "usdc"][..] } else { &["usdc"] };
+    let file = |ending| folder.path(&format!("groom.{ending}")).display().to_string();
+    let files: Vec<String> = endings.iter().map(file).collect();
+    let threads = if number.is_some_and(|n| n % 2 == 0) { "1" } else { "2" };
+    let mut args = vec!["--threads", threads];
+    args.extend(files.iter().flat_map(|file| ["--out", file]));
+    args.extend(head.map_or(vec![], RealHead::eval_args));
+    args.extend(is_tenth.then_some(["--quality", "preview"]).into_iter().flatten());
+    let report = eval(name, &args);
+    let scalp = head.map_or("builtin", |head| &head.mesh).to_owned();
+    Shipped { report, files, is_tenth, scalp, measured: OnceLock::new(), _folder: folder }
 }

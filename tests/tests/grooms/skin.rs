@@ -2,12 +2,13 @@
 //!
 //! Here the judge itself is judged too, by balls that can be worked out by hand.
 
+use super::light::light;
+use super::shipped::{recipe, tenth};
 use coif_graphs::grooms;
 use coif_graphs::schedule::run::Evaluator;
-use coif_nodes::eval::Quality;
 use coif_nodes::formats::usd::read::{ReadCurves, read_stage};
-use coif_tests::judge::{Judge, Soup, make, region};
-use coif_tests::{one_of, smooth_heads};
+use coif_tests::judge::{Found, Judge, Place, Soup, head_of, region};
+use coif_tests::{RealHead, SCAN, curves_in, one_of, real_heads, smooth_heads};
 use glam::DVec3;
 use std::path::Path;
 
@@ -172,59 +173,59 @@ fn under_an_open_neck_nothing_is_too_deep_and_above_it_what_is_inside() {
     check(DVec3::Y * -12.0, DVec3::Y * (edge - 0.1), None);
 }
 
-/// Judges some hair on the built-in head and those at hand: every second one of a tenth of it on one of them each, or all of the tenth on
-/// all (`COIF_LONG`).
-fn on_heads(test: &str, all: &[(&str, &str)], first: usize) {
+/// Judges a tenth of some hair, each on a head: every second one of it, or all where `COIF_LONG` is set.
+fn judge_all<'a>(all: impl IntoIterator<Item = (&'static str, String, Option<&'a RealHead>)>) {
     let every = if std::env::var_os("COIF_LONG").is_some() { 1 } else { 2 };
     let judge = Judge { threads: 2, every, ..Judge::default() };
     let evaluator = Evaluator::new(2, 0).expect("threads");
-    let real: Vec<_> = smooth_heads(test).collect();
-    let places = [None].into_iter().chain(real.iter().map(Some)).collect::<Vec<_>>();
     let mut wrong = vec![];
-    for (number, (name, text)) in all.iter().enumerate() {
-        for head in one_of(&places, first + number) {
-            let on = head.map_or("the built-in head", |head| head.name);
-            let mesh = head.map(|head| Path::new(&head.mesh));
-            let made = make(text, Path::new(""), mesh, Quality::Preview, &evaluator);
-            let made = made.unwrap_or_else(|err| panic!("{name} on {on}: {err}"));
-            let found = judge.judge(&made.skin, &made.curves);
-            assert!(found.hairs > 0, "{name} on {on}");
-            if let Some(place) = found.deepest {
+    for (text, name, head) in all {
+        let on = head.map_or("the built-in head", |head| head.name);
+        let mesh = head.map(|head| Path::new(&head.mesh));
+        let (skin, frame) = head_of(text, Path::new(""), mesh, &evaluator)
+            .unwrap_or_else(|err| panic!("{name} on {on}: {err}"));
+        let mut curves = curves_in(tenth(&name, head).file());
+        curves.retain(|curves| curves.purpose != "guide");
+        let found = judge.judge(&skin, &curves);
+        assert!(found.hairs > 0, "{name} on {on}");
+        let mut tell = |what: &str, place: Option<Place>| {
+            if let Some(Place { by, at, hair: [prim, hair], along, spans, .. }) = place {
                 wrong.push(format!(
-                    "{name} on {on}: {} of {} hairs too deep, the deepest by {:.3} cm: {} {:.2}, {} hair {} at {:.1} of {}",
-                    found.deep_hairs,
-                    found.hairs,
-                    place.by,
-                    region(place.at, &made.frame),
-                    place.at,
-                    made.curves[place.hair[0]].path,
-                    place.hair[1],
-                    place.along,
-                    place.spans
+                    "{name} on {on}: {what} by {by:.4} cm: {} {at:.2}, {} hair {hair} at {along:.1} of {spans}",
+                    region(at, &frame),
+                    curves[prim].path
                 ));
             }
-            if let Some(place) = found.farthest {
-                wrong.push(format!(
-                    "{name} on {on}: {} of {} roots off the skin, the farthest by {:.4} cm: {:.2}, {} hair {}",
-                    found.off,
-                    found.hairs,
-                    place.by,
-                    place.at,
-                    made.curves[place.hair[0]].path,
-                    place.hair[1]
-                ));
-            }
-        }
+        };
+        let Found { deep_hairs, off, hairs, .. } = found;
+        tell(&format!("{deep_hairs} of {hairs} hairs too deep, the deepest"), found.deepest);
+        tell(&format!("{off} of {hairs} roots off the skin, the farthest"), found.farthest);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Each on the heads on which it is measured, but for the scan, whose skin is rough: on the built-in head for it.
 #[test]
 fn no_curve_of_a_groom_dives_under_the_skin_of_any_head() {
-    on_heads("no_curve_of_a_groom_dives_under_the_skin", grooms::ALL, 0);
+    let test = "no_curve_of_a_groom_dives_under_the_skin";
+    let (real, smooth): (Vec<_>, Vec<_>) =
+        (real_heads(test).collect(), smooth_heads(test).collect());
+    let light =
+        light().enumerate().flat_map(|(i, name)| one_of(&smooth, i).map(move |on| (name, on)));
+    let heroes = grooms::HEROES.iter().enumerate();
+    let heroes = heroes.flat_map(|(i, name)| one_of(&real, i).map(move |on| (*name, on)));
+    judge_all(light.chain(heroes).map(|(name, head)| {
+        let text = grooms::by_name(name).expect("a groom");
+        (text, name.to_owned(), Some(head).filter(|head| head.name != SCAN))
+    }));
 }
 
 #[test]
 fn no_curve_of_a_recipe_dives_under_the_skin_of_any_head() {
-    on_heads("no_curve_of_a_recipe_dives_under_the_skin", grooms::TEMPLATES, 1);
+    let smooth: Vec<_> = smooth_heads("no_curve_of_a_recipe_dives_under_the_skin").collect();
+    let places: Vec<_> = [None].into_iter().chain(smooth.iter().map(Some)).collect();
+    let all = grooms::TEMPLATES.iter().enumerate();
+    judge_all(all.flat_map(|(i, (name, text))| {
+        one_of(&places, i).map(move |head| (*text, recipe(name), *head))
+    }));
 }
