@@ -16,8 +16,8 @@ cd "$(dirname "$0")/.."
 export CARGO_INCREMENTAL="${CARGO_INCREMENTAL:-0}" CARGO_TERM_COLOR=never RUST_BACKTRACE=0
 # Panics name their file and line without it.
 export CARGO_PROFILE_DEV_DEBUG="${CARGO_PROFILE_DEV_DEBUG:-0}"
-# Nothing is built again in parts, so that few large ones cost less and run faster.
-export CARGO_PROFILE_DEV_CODEGEN_UNITS="${CARGO_PROFILE_DEV_CODEGEN_UNITS:-2}"
+# Nothing is built again in parts: crates in one piece cost the least and run the fastest.
+export CARGO_PROFILE_DEV_CODEGEN_UNITS="${CARGO_PROFILE_DEV_CODEGEN_UNITS:-1}"
 log=target/tests.log
 mkdir -p target
 : >"$log"
