@@ -669,7 +669,10 @@ mod tests {
         field.depth(&surface, Vec3::Y * 6.0);
         // The eight bricks of a block are pointers but for one, and of its 125 samples the corners of a cell are known.
         let brick = size_of::<Near>() + size_of::<Brick>();
-        assert_eq!(field.bytes(), empty + brick);
+        // Near the skin each of its cells may list what is near it; at a pole that is too much to list.
+        assert_eq!(field.listed(), [1, 0]);
+        let lists = size_of::<[OnceLock<Nearby>; BRICK_CELLS]>();
+        assert_eq!(field.bytes(), empty + brick + lists);
         assert_eq!(made(&field), (8, 1));
         // A neighbour shares four of them.
         field.depth(&surface, Vec3::Y * 6.0 + Vec3::X * CELL);

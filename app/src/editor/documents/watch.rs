@@ -104,7 +104,8 @@ impl Watch {
     /// The program has, or is about to write, this content of a file: it is no news.
     pub(crate) fn knows(&self, path: &Path, hash: u64) {
         let mut state = locked(&self.shared);
-        state.files.insert(path.to_owned(), Known { seen: None, hash: Some(hash) });
+        // What was seen is kept: a look before the file is written finds nothing new.
+        state.files.entry(path.to_owned()).or_default().hash = Some(hash);
         state.changes.retain(|change| change_of(change) != path);
     }
 
