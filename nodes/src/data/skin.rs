@@ -128,7 +128,7 @@ impl<'a> Skin<'a> {
 
     /// [`Self::closest`], or `None` if it is farther than `reach` (cm), which the field often rules out without a search.
     pub fn closest_within(&self, p: Vec3, reach: f32) -> Option<Hit> {
-        if self.field.far(self.surface, p) > reach {
+        if self.field.far(self.surface, p) > reach || self.stands_off(p, reach) {
             return None;
         }
         if let Some(hit) = self.closest_of_cell(p) {

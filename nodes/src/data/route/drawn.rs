@@ -122,7 +122,7 @@ impl Skin<'_> {
         near: &mut Option<u32>,
     ) -> Option<SkinSample> {
         let (middle, radius) = span.ball();
-        if self.is_clear(middle, radius) {
+        if self.stands_off(middle, radius) || self.is_clear(middle, radius) {
             return None;
         }
         let count = (2.0 * radius / STEP).ceil().clamp(2.0, MOST);

@@ -134,10 +134,11 @@ impl<'a> Route<'a> {
                 }
             }
         }
-        if let Some(home) = scalp.home(old[0]).filter(|_| self.policy.own_section) {
-            keep_home(&home, &skin, old, new, &depth);
+        let home = scalp.home(old[0]).filter(|_| self.policy.own_section);
+        if let Some(home) = &home {
+            keep_home(home, &skin, old, new, &depth);
         }
-        self.settle_drawn(&skin, old, new, |k| k > 0 && !stays[k], &depth)
+        settle_drawn((&skin, home.as_ref()), old, new, |k| k > 0 && !stays[k], &depth)
     }
 
     /// Sets what a hair has grown on beyond its old points where it may be.
@@ -152,46 +153,45 @@ impl<'a> Route<'a> {
         }
         let Some(skin) = self.skin else { return Ok(()) };
         skin.clear(new, |k| (k >= old.len()).then(|| depth(k)));
-        self.settle_drawn(&skin, old, new, |k| k >= old.len(), &depth)
-    }
-
-    /// Sets the curve that is drawn through a moved hair out of the skin, as far as points of it `may` move, and says why the hair may not
-    /// lie so, if it may not.
-    fn settle_drawn(
-        &self,
-        skin: &Skin,
-        old: &[Vec3],
-        new: &mut [Vec3],
-        may: impl Fn(usize) -> bool,
-        depth: impl Fn(usize) -> f32,
-    ) -> Result<(), Left> {
-        let moved = |k: usize| may(k) || may(k + 1);
-        let cleared = skin.clear_drawn(new, &may, &depth);
-        if let Some(home) =
-            self.scalp.and_then(|scalp| scalp.home(old[0])).filter(|_| self.policy.own_section)
-        {
-            leads_over(&home, old, new)?;
-        }
-        is_out(skin, old, new, &depth)?;
-        // What dipped before may still.
-        let worst = |points: &[Vec3], asked: &dyn Fn(usize) -> bool| {
-            let mut worst = 0.0f32;
-            skin.dips(points, asked, &depth, |dip| worst = worst.max(dip.excess));
-            worst
-        };
-        if cleared {
-            let dips = worst(new, &moved);
-            if dips > 0.0 && dips > worst(old, &|_| true) + DIP {
-                return Err(Left::In);
-            }
-        }
-        Ok(())
+        let home = self.scalp.and_then(|scalp| scalp.home(old[0]));
+        let home = home.filter(|_| self.policy.own_section);
+        settle_drawn((&skin, home.as_ref()), old, new, |k| k >= old.len(), &depth)
     }
 
     /// A new point of a hair that lies as it lay: between two others it may dip deeper into the skin than `depth` (cm).
     pub(crate) fn between(&self, p: Vec3, depth: f32) -> Vec3 {
         self.skin.map_or(p, |skin| skin.lift_exactly(p, -depth).0)
     }
+}
+
+/// Sets the curve that is drawn through a moved hair out of the skin, as far as points of it `may` move, and says why the hair may not
+/// lie so, if it may not.
+fn settle_drawn(
+    (skin, home): (&Skin, Option<&Home>),
+    old: &[Vec3],
+    new: &mut [Vec3],
+    may: impl Fn(usize) -> bool,
+    depth: impl Fn(usize) -> f32,
+) -> Result<(), Left> {
+    let moved = |k: usize| may(k) || may(k + 1);
+    let cleared = skin.clear_drawn(new, &may, &depth);
+    if let Some(home) = home {
+        leads_over(home, old, new)?;
+    }
+    is_out(skin, old, new, &depth)?;
+    // What dipped before may still.
+    let worst = |points: &[Vec3], asked: &dyn Fn(usize) -> bool| {
+        let mut worst = 0.0f32;
+        skin.dips(points, asked, &depth, |dip| worst = worst.max(dip.excess));
+        worst
+    };
+    if cleared {
+        let dips = worst(new, &moved);
+        if dips > 0.0 && dips > worst(old, &|_| true) + DIP {
+            return Err(Left::In);
+        }
+    }
+    Ok(())
 }
 
 /// A tuft whose hairs are moved, one after the other.

@@ -83,7 +83,7 @@ impl Home<'_> {
 
     /// Whether a point lies in the section, or so high that it lies in none.
     pub(crate) fn holds(&self, p: Vec3) -> bool {
-        self.is_clear(p) || {
+        self.is_free(p) || {
             let hit = self.scalp.skin().closest_within(p, self.cm(FREE));
             hit.is_none_or(|hit| self.within(hit.point) >= 0.0)
         }
@@ -104,9 +104,9 @@ impl Home<'_> {
         self.sections.is_over_line_before(hair, n)
     }
 
-    /// Whether a glance tells that a point needs no keeping.
-    fn is_clear(&self, p: Vec3) -> bool {
-        self.is_clear_by(0.0, p)
+    /// Whether a glance tells that a point needs no keeping: most hair hangs far from any skin, where a search takes longest.
+    fn is_free(&self, p: Vec3) -> bool {
+        self.scalp.skin().stands_off(p, self.cm(FREE)) || self.is_clear_by(0.0, p)
     }
 
     /// Whether a glance tells that no parting is nearer to a point than `more` (cm) and what hair keeps off it.
@@ -151,14 +151,10 @@ impl Home<'_> {
     /// `p`, or where it lies on the skin in another section or on a parting, the point beside it that does not; `near` is a
     /// triangle of the head near it, and becomes the nearest. None where none is found.
     pub(in crate::data) fn kept(&self, p: Vec3, near: &mut u32) -> Option<Vec3> {
-        if self.is_clear(p) {
+        if self.is_free(p) {
             return Some(p);
         }
         let skin = self.scalp.skin();
-        // Most hair hangs far from any skin, where a search takes longest.
-        if skin.stands_off(p, self.cm(FREE)) {
-            return Some(p);
-        }
         let hit = skin.foot(p, near)?;
         let height = skin.height_over(p, &hit);
         // From half of it on, hair rises off the skin.
