@@ -197,9 +197,13 @@ fn timed(case: &Case) -> Ran {
     let (mut walls, mut costs, mut points) = (vec![], vec![], 0);
     for run in 0..=RUNS {
         turn(&mut document, case, run);
-        let plan =
-            plan(&document, &[target.clone()], Quality::Final, &DiskFiles::new(Path::new("")))
-                .expect("a plan");
+        let plan = plan(
+            &document,
+            std::slice::from_ref(&target),
+            Quality::Final,
+            &DiskFiles::new(Path::new("")),
+        )
+        .expect("a plan");
         let (began, spent) = (Instant::now(), ProcessTime::now());
         let outcome = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
         let (wall, cost) = (began.elapsed(), spent.elapsed());
@@ -243,7 +247,7 @@ fn blenders(python: &Path, script: &Path, case: &str, label: &str) -> Option<(f6
         .output()
         .ok()?;
     let lines = String::from_utf8_lossy(&ran.stdout).into_owned();
-    let found = lines.lines().filter_map(|line| serde_json::from_str::<Json>(line).ok());
-    let found = found.filter(|line| line["case"].as_str().is_some_and(|c| c.ends_with(label)));
-    found.last().and_then(|line| Some((line["wall_med_ms"].as_f64()?, line["points"].as_f64()?)))
+    let mut found = lines.lines().filter_map(|line| serde_json::from_str::<Json>(line).ok());
+    let line = found.find(|line| line["case"].as_str().is_some_and(|c| c.ends_with(label)));
+    line.and_then(|line| Some((line["wall_med_ms"].as_f64()?, line["points"].as_f64()?)))
 }

@@ -7,7 +7,7 @@
 //! allows. Where no points of the same curve do, which is where the skin makes it leap or kink (an ear between two points),
 //! the stretch about that place leaves the curve it was (`repair.rs`): it is led round what tears it, or moved out as a whole, its
 //! tip where it is too. A curve is astray where folds leave it no way, or none but over a parting: such curves are left out where
-//! they are one in [`FEW`] or less. Where they are more, only those that lie [`DEEP`] in the skin are, if these are as few, and the
+//! they are one in [`FEW`] or less. Where they are more, only those that lie deep in the skin are, if these are as few, and the
 //! others are kept. Hair of a braid keeps to its side of a parting on its way to it; its braid may hang over any. Not promised: that
 //! curves that are kept astray are read alike; the report gives the difference that is left. How hard is
 //! tried hangs from how many of the curves given at once ask for it, so what few curves get, many may not: all together may take
