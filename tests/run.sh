@@ -3,7 +3,7 @@
 #
 # tests/run.sh --long   then also what takes too long for every change: whole grooms evaluated by the release build for farms, whose
 #                       hashes must be those of dev; random cases by the ten thousand; every groom on every real head; tests that are
-#                       ignored else (all hair of the heroes there); and Blender's reader (bpy, a third of a gigabyte)
+#                       ignored else (all hair of every groom); and Blender's reader (bpy, a third of a gigabyte)
 #
 # Installs what the tests need where it may: Debian packages as root (a software graphics adapter among them), and usd-core
 # in a Python environment under target/. Where it may not, it says what is missing; tests that need it are listed as

@@ -3,7 +3,7 @@
 //!
 //! Prints for each case the median wall time on two threads, processor time for a point that comes out, the ratio of that to copying a
 //! point on this machine, and, where `tests/run.sh --long` has installed Blender, Blender's median beside it, taken in turn in the same
-//! run. Before each run one value changes a little, as under a hand on a slider. At the end it names each line that misses what it should
+//! run. Export, heroes and sliders in the window are not among them. Before each run one value changes a little, as under a hand on a slider. At the end it names each line that misses what it should
 //! reach at least; the exit code is then 1.
 //!
 //! `cargo bench -p coif-tests --bench peers [-- CASE...]`: only cases whose name contains one of the words. Run it alone.
@@ -36,7 +36,7 @@ struct Case {
     from: f32,
     /// Case and line of `peer_bench.py`, where it has one, and how many times as fast coif is to be at least.
     peer: Option<(&'static str, &'static str, f64)>,
-    /// What a point may cost at most: processor time, ns.
+    /// What a point is to cost at most where no peer has the case: processor time, ns.
     most_ns: Option<f64>,
 }
 
@@ -68,16 +68,10 @@ const CASES: &[Case] = &[
     },
     case("length", "length", "length.share", 0.7),
     case("width", "width", "width.root", 0.008),
-    Case { most_ns: Some(600.0), ..case("clump, parted head", "p_clump", "p_clump.amount", 0.7) },
-    Case {
-        most_ns: Some(600.0),
-        ..case("noise, parted head", "p_noise", "p_noise.amplitude", 0.4)
-    },
-    Case {
-        most_ns: Some(600.0),
-        ..case("frizz, parted head", "p_frizz", "p_frizz.amplitude", 0.4)
-    },
-    Case { most_ns: Some(600.0), ..case("length, parted head", "p_length", "p_length.share", 0.7) },
+    Case { most_ns: Some(60.0), ..case("clump, parted head", "p_clump", "p_clump.amount", 0.7) },
+    Case { most_ns: Some(60.0), ..case("noise, parted head", "p_noise", "p_noise.amplitude", 0.4) },
+    Case { most_ns: Some(60.0), ..case("frizz, parted head", "p_frizz", "p_frizz.amplitude", 0.4) },
+    Case { most_ns: Some(60.0), ..case("length, parted head", "p_length", "p_length.share", 0.7) },
     Case {
         peer: Some(("braid", "braid guides=50 hairs/braid=300 subdiv=0 map=existing", 15.0)),
         ..case("braid 50 x 300 x 64", "braid_hair", "braid.width", 1.5)

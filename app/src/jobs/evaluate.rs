@@ -286,12 +286,15 @@ impl OutputRequest {
         }
         if changes.astray > 0 {
             let (all, out) = (changes.astray, changes.astray_left_out);
-            let way = "no way out of the skin on which all tools read one shape, or none but over a parting";
-            report.warnings.push(match out {
-                0 => format!("{socket}: {all} curves find {way}; they were kept"),
-                out if out == all => format!("{socket}: {all} curves find {way}; they were left out"),
-                out => format!(
-                    "{socket}: {out} of {all} curves that find {way} lie in the skin and were left out; the others were kept"
+            let way = "on which all tools read one shape, or none but over a parting";
+            report.warnings.push(match all - out {
+                0 => format!("{socket}: {all} curves find no way out of the skin {way}; they were left out"),
+                kept if out == 0 => {
+                    format!("{socket}: {kept} curves find no way out of the skin {way}; they were kept")
+                }
+                kept => format!(
+                    "{socket}: {out} curves that lie in the skin and find no way out of it were left out; {kept} more find none {way}, \
+                     and were kept"
                 ),
             });
         }

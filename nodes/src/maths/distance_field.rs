@@ -6,7 +6,8 @@
 //!
 //! Guarantees: the same bits for any number of threads and any order of queries, since a cell depends on the surface alone; error
 //! under a tenth of a cell where the surface is smooth on the scale of a cell, under half a cell at sharp creases. Within a cell
-//! of the surface, callers who need more use [`Surface::closest`].
+//! of the surface, callers who need more ask for the closest point: of the few triangles near a cell, which are listed at the first such
+//! question in it, to the bit as [`Surface::closest`] finds it.
 //!
 //! Tried before: the whole field at once, 1.3 s of CPU for a bust of 36,000 triangles; whole blocks of 8 x 8 x 8 cells on first
 //! touch, 0.4 s for 500 guides, most of it for cells that were never used, and seconds for thin fur on a large mesh, where each
