@@ -1,5 +1,5 @@
 //! The busiest kernels at 10,000 and 100,000 strands of 16 points, each beside a memset of as many bytes into freshly
-//! allocated memory: what is quoted is the ratio of the two in one run.
+//! allocated memory: what is quoted is the ratio of the two in one run. At the end kernels in lanes are held to what lanes gain.
 
 use coif_nodes::data::attributes::{DENSITY, Domain, FRIZZ, ID, RADIUS};
 use coif_nodes::data::curves::{Curves, TuftBuilder};
@@ -9,6 +9,7 @@ use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
 use coif_nodes::maths::closest::Surface;
 use coif_nodes::maths::distance_field::{Depth, DistanceField};
 use coif_nodes::maths::hash::{Dice, Key, KeyBuilder};
+use coif_nodes::maths::lanes::narrowest;
 use coif_nodes::maths::low_discrepancy::r2;
 use coif_nodes::maths::transcendental::sin_cos_turns;
 use divan::{Bencher, black_box};
@@ -21,7 +22,80 @@ const POINTS: usize = 16;
 const CLUSTERS: usize = 150;
 
 fn main() {
-    divan::main();
+    // `cargo test --benches` only asks whether it starts; with words, only some benches are asked for: `lanes` for what they gain.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    if words != ["lanes"] {
+        divan::main();
+    }
+    if words.is_empty() || words == ["lanes"] {
+        lanes();
+    }
+}
+
+/// Nodes whose kernels run in lanes, and how often a point could be copied in the time that they may take for one at most: a closure that
+/// is compiled without lanes in silence takes two to five times as long.
+const IN_LANES: &[(&str, &[(&str, &str)], f64)] = &[
+    ("noise", &[], 70.0),
+    ("noise", &[("together", "hair")], 55.0),
+    ("frizz", &[], 75.0),
+    ("clump", &[], 140.0),
+    ("stray", &[], 65.0),
+    ("set_width", &[], 12.0),
+];
+
+/// Times each node on one thread, one number at a time and in the widest lanes, in turn; ends with 1 where one takes too long.
+fn lanes() {
+    let (curves, mut slow) = (strands(20_000), vec![]);
+    let least = |of: &mut dyn FnMut() -> usize| {
+        let began = std::time::Instant::now();
+        let points = of();
+        began.elapsed().as_secs_f64() * 1e9 / points as f64
+    };
+    let from: Vec<Vec3> = curves.tufts().iter().flat_map(|t| t.points().to_vec()).collect();
+    let mut to = from.clone();
+    let mut copy = f64::INFINITY;
+    for _ in 0..31 {
+        copy = copy.min(least(&mut || {
+            black_box(&mut to).copy_from_slice(black_box(&from));
+            from.len()
+        }));
+    }
+    println!("copying a point: {copy:.2} ns");
+    for (kind, words, most) in IN_LANES {
+        let mut set: Vec<(&str, Value)> = vec![("curves", curves.clone().into())];
+        set.extend(words.iter().map(|(name, word)| (*name, Value::from(*word))));
+        if *kind == "stray" {
+            set.push(("share", Value::Float(1.0)));
+        }
+        let mut ns = [f64::INFINITY; 2];
+        for _ in 0..7 {
+            for (narrow, ns) in [true, false].into_iter().zip(&mut ns) {
+                narrowest(narrow);
+                *ns = ns.min(least(&mut || black_box(run(kind, &set, &Alone)).point_count()));
+            }
+        }
+        let [one, eight] = ns;
+        println!(
+            "{kind} {words:?}: {one:.0} ns a point, in lanes {eight:.0}, {:.0} x copying",
+            eight / copy
+        );
+        if eight > copy * most {
+            slow.push(*kind);
+        }
+    }
+    if !slow.is_empty() {
+        println!("take longer than they may: {}", slow.join(", "));
+        std::process::exit(1);
+    }
+}
+
+/// A host with one thread and no memory.
+struct Alone;
+
+impl Host for Alone {
+    fn for_each(&self, n: usize, f: &(dyn Fn(usize) + Sync)) {
+        (0..n).for_each(f);
+    }
 }
 
 /// A host with rayon's threads and no memory.

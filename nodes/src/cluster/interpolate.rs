@@ -288,7 +288,7 @@ impl Maker<'_> {
         let mut ways = None;
         let mut points: Vec<Vec3> = Vec::with_capacity(read.hairs * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
-        let mut asked = vec![None; each];
+        let (mut asked, mut offs) = (vec![None; each], vec![0.0; each]);
         let mut grown: Vec<&PlannedHair> = Vec::with_capacity(read.hairs);
         let mut ids = Vec::with_capacity(read.hairs);
         for (hair, blend) in (0..read.hairs).map(hair) {
@@ -320,15 +320,19 @@ impl Maker<'_> {
                 if let Some(skin) = &skin {
                     let hair = &mut points[first..];
                     for (k, p) in hair.iter().enumerate() {
-                        let holds =
-                            |(middle, square): &(Vec3, f32)| p.distance_squared(*middle) < *square;
-                        let is_clear = holds(&clear[k]) || known[k].iter().any(holds);
-                        asked[k] = (!is_clear).then_some(depths[k]);
+                        let air = |(middle, square): &(Vec3, f32)| {
+                            let far = p.distance_squared(*middle);
+                            (far < *square).then(|| square.sqrt() - far.sqrt())
+                        };
+                        let off = air(&clear[k]).or_else(|| known[k].iter().find_map(air));
+                        asked[k] = off.is_none().then_some(depths[k]);
+                        offs[k] = off.unwrap_or(0.0);
                     }
                     clear_noting(
                         skin,
                         hair,
                         |k| asked[k],
+                        |k| offs[k],
                         |k, middle, radius| {
                             if depths[k] < 0.0 {
                                 return;

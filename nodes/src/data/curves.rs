@@ -24,6 +24,8 @@ pub const MOST_A_CURVE: usize = 255;
 #[derive(Clone, Debug)]
 pub struct Tuft {
     key: Key,
+    /// Of the points alone.
+    points_key: Key,
     points: Arc<Vec<Vec3>>,
     /// Curve `i` owns `points[offsets[i]..offsets[i + 1]]`.
     offsets: Arc<Vec<u32>>,
@@ -116,6 +118,7 @@ impl Tuft {
     pub fn edit(&self) -> TuftBuilder {
         TuftBuilder {
             points: self.points.clone(),
+            points_key: Some(self.points_key),
             offsets: self.offsets.clone(),
             attributes: self.attributes.clone(),
         }
@@ -157,6 +160,7 @@ impl Tuft {
             let stop = self.offsets[end] as usize;
             let part = TuftBuilder {
                 points: Arc::new(self.points[start..stop].to_vec()),
+                points_key: None,
                 offsets: Arc::new(
                     self.offsets[first..=end].iter().map(|o| o - start as u32).collect(),
                 ),
@@ -204,6 +208,8 @@ impl Tuft {
 #[derive(Clone, Debug, Default)]
 pub struct TuftBuilder {
     points: Arc<Vec<Vec3>>,
+    /// As long as they are those of a tuft whose key is known.
+    points_key: Option<Key>,
     offsets: Arc<Vec<u32>>,
     attributes: Vec<Attribute>,
 }
@@ -217,10 +223,12 @@ impl TuftBuilder {
     pub fn even(points: Vec<Vec3>, points_each: usize) -> Self {
         let curves = points.len().checked_div(points_each).unwrap_or(0);
         let offsets = (0..=curves).map(|i| (i * points_each) as u32).collect();
-        Self { points: Arc::new(points), offsets: Arc::new(offsets), attributes: vec![] }
+        let points = Arc::new(points);
+        Self { points, points_key: None, offsets: Arc::new(offsets), attributes: vec![] }
     }
     /// Adds a curve, root first.
     pub fn push_curve(&mut self, points: &[Vec3]) {
+        self.points_key = None;
         Arc::make_mut(&mut self.points).extend_from_slice(points);
         let offsets = Arc::make_mut(&mut self.offsets);
         if offsets.is_empty() {
@@ -238,7 +246,14 @@ impl TuftBuilder {
     }
     /// All points, to change in place: hair that exists is moved by `data/route` alone.
     pub(super) fn points_mut(&mut self) -> &mut [Vec3] {
+        self.points_key = None;
         Arc::make_mut(&mut self.points).as_mut_slice()
+    }
+    /// The same with these points, as many: hair that exists is moved by `data/route` alone.
+    pub(super) fn with_points(mut self, points: Vec<Vec3>) -> Self {
+        assert_eq!(points.len(), self.points.len(), "as many points");
+        (self.points, self.points_key) = (Arc::new(points), None);
+        self
     }
     /// Sets a declared attribute: one value for all, one per curve, or one per point.
     ///
@@ -267,13 +282,15 @@ impl TuftBuilder {
     }
     /// Finishes the tuft: sorts its attributes and hashes its content.
     pub fn build(self) -> Tuft {
-        let Self { points, mut offsets, mut attributes } = self;
+        let Self { points, points_key, mut offsets, mut attributes } = self;
         if offsets.is_empty() {
             offsets = Arc::new(vec![0]);
         }
         attributes.retain(|a| !a.values.is_empty());
         attributes.sort_by(|a, b| a.name.cmp(&b.name));
-        let mut key = KeyBuilder::new("tuft").column(bytemuck::cast_slice::<_, f32>(&points));
+        let column = || KeyBuilder::new("points").column(bytemuck::cast_slice::<_, f32>(&points));
+        let points_key = points_key.unwrap_or_else(|| column().finish());
+        let mut key = KeyBuilder::new("tuft").key(points_key);
         // Curves of equal length, the usual case, are described by two numbers.
         let each = offsets.get(1).copied().unwrap_or(0);
         let even = offsets.iter().enumerate().all(|(i, o)| *o as usize == i * each as usize);
@@ -286,7 +303,7 @@ impl TuftBuilder {
             let (ty, bytes) = a.values.bytes();
             key = key.text(&a.name).int(a.domain as u64).text(ty).column(bytes);
         }
-        Tuft { key: key.finish(), points, offsets, attributes }
+        Tuft { key: key.finish(), points_key, points, offsets, attributes }
     }
 }
 
@@ -371,6 +388,21 @@ mod tests {
         let mut other = two();
         other.points_mut()[0].x = 1.0;
         assert_ne!(other.build().key(), two().build().key());
+        // Whatever way they came to be there.
+        let tuft = two().build();
+        let mut moved = tuft.edit();
+        moved.points_mut()[0].x = 1.0;
+        let mut points = tuft.points().to_vec();
+        points[0].x = 1.0;
+        let set = tuft.edit().with_points(points).build();
+        assert_eq!(moved.build().key(), set.key());
+        let mut longer = tuft.edit();
+        longer.push_curve(&[Vec3::ZERO, Vec3::Z]);
+        longer.remove(ID.name);
+        let mut afresh = two();
+        afresh.remove(ID.name);
+        afresh.push_curve(&[Vec3::ZERO, Vec3::Z]);
+        assert_eq!(longer.build().key(), afresh.build().key());
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::scalp::{Root, Scalp};
 use super::texture::Texture;
 use crate::error::NodeError;
 use crate::maths::hash::KeyBuilder;
+use crate::maths::lanes::{LANES, Simd, f32x8, ops::*, pick};
 use glam::Vec2;
 use std::sync::Arc;
 
@@ -333,6 +334,33 @@ impl Sampler<'_> {
             return x.max(self.range.0).min(self.range.1) * self.unit;
         }
         self.part.at(curve, point, u).max(self.range.0).min(self.range.1) * self.unit
+    }
+    /// [`Self::at`] of eight curves.
+    #[inline(always)]
+    pub(crate) fn at_each<S: Simd>(
+        &self,
+        curves: &[usize; LANES],
+        points: &[usize; LANES],
+        u: f32x8<S>,
+    ) -> f32x8<S> {
+        let s = u.simd;
+        let value = match &self.part {
+            Part::View(AttributeView::Shared(x)) => s.splat_f32x8(*x),
+            Part::Ramp(ramp) => ramp.at_each(u),
+            Part::Along => u,
+            part => {
+                let u = s.as_array_f32x8(u);
+                let mut values = [0.0; LANES];
+                for (i, value) in values.iter_mut().enumerate() {
+                    *value = part.at(curves[i], points[i], u[i]);
+                }
+                s.load_array_f32x8(values)
+            }
+        };
+        // NaN reads as the low end here, too.
+        let value = pick(value.simd_gt(self.range.0), value, s.splat_f32x8(self.range.0));
+        let value = pick(value.simd_lt(self.range.1), value, s.splat_f32x8(self.range.1));
+        value * self.unit
     }
     /// Whether the value is the same at all points of a curve.
     pub fn is_of_curves(&self) -> bool {

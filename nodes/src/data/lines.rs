@@ -271,6 +271,11 @@ impl<'a> LinesView<'a> {
         self.lines.pieces.get(number as usize)
     }
 
+    /// How far off a segment is what passes it at most, cm.
+    pub(super) fn half_place(self) -> f32 {
+        self.lines.places.half()
+    }
+
     /// Half the width of the parting of a segment, cm; 0 for none.
     pub(super) fn half_width(self, piece: u32) -> f32 {
         self.piece(piece).map_or(0.0, |piece| piece.half_width)

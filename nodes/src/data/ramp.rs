@@ -1,6 +1,7 @@
 //! A function of a fraction from 0 to 1, such as root to tip.
 
 use crate::maths::hash::KeyBuilder;
+use crate::maths::lanes::{self, Simd, f32x8, ops::*};
 use crate::maths::smoothstep;
 
 /// Interpolation between stops.
@@ -78,6 +79,27 @@ impl Ramp {
             Blend::Linear => y0 + (y1 - y0) * t,
             Blend::Smooth => y0 + (y1 - y0) * smoothstep(t),
         }
+    }
+    /// The values at each `x`.
+    #[inline(always)]
+    pub(crate) fn at_each<S: Simd>(&self, x: f32x8<S>) -> f32x8<S> {
+        let mut y = x.simd.splat_f32x8(self.stops[0].1);
+        for (i, (x0, y0)) in self.stops.iter().enumerate() {
+            let reached = x.simd_ge(*x0);
+            if x.simd.all_false_mask32x8(reached) {
+                break;
+            }
+            let on = match (self.stops.get(i + 1), self.blend) {
+                (None, _) | (_, Blend::Step) => x.simd.splat_f32x8(*y0),
+                (Some((x1, y1)), blend) => {
+                    let t = (x - *x0) / (x1 - x0);
+                    let t = if blend == Blend::Smooth { lanes::smoothstep(t) } else { t };
+                    *y0 + (y1 - y0) * t
+                }
+            };
+            y = lanes::pick(reached, on, y);
+        }
+        y
     }
     /// Adds the ramp to a key.
     pub fn add_to(&self, key: KeyBuilder) -> KeyBuilder {

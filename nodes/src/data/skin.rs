@@ -159,8 +159,21 @@ impl<'a> Skin<'a> {
         if self.asks_alone() {
             return self.field.far(self.surface, p) > height.max(0.0);
         }
-        (self.rough.is_some() || self.surface.parts_in_from_out())
-            && self.field.is_clear(self.surface, p, height.max(0.0))
+        self.is_told_apart() && self.field.is_clear(self.surface, p, height.max(0.0))
+    }
+
+    /// How far outside `p` is at least (cm), as [`Self::stands_off`] tells it; no more is looked for than `enough`. 0 means unknown.
+    #[inline]
+    pub(super) fn off_at_least(&self, p: Vec3, enough: f32) -> f32 {
+        match (self.asks_alone(), self.is_told_apart()) {
+            (true, _) => self.field.far(self.surface, p),
+            (false, true) => self.field.off_at_least(self.surface, p, enough),
+            (false, false) => 0.0,
+        }
+    }
+
+    fn is_told_apart(&self) -> bool {
+        self.rough.is_some() || self.surface.parts_in_from_out()
     }
 
     /// Radius (cm) of a ball around `p` that holds no skin: its distance outside, at most the field's band without a search; 0

@@ -6,14 +6,13 @@
 use super::log::MOST_NAMED;
 use super::traced::ByPlace;
 use super::{EvalCx, FEW_POINTS, Host, Message, SPARE, Size, TracedScalp, millions};
-use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::route::hair::Hair;
+use crate::data::curves::{Curves, Tuft};
+use crate::data::route::bundle::{Bend, Tell, told};
 use crate::data::route::{Policy, Route};
 use crate::data::scalp::Scalp;
 use crate::data::sections::Sections;
 use crate::error::NodeError;
 use crate::maths::hash::{Key, KeyBuilder};
-use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -61,29 +60,24 @@ impl<'a> Piece<'a> {
             curves.push(curve);
         }
     }
-    /// The tuft with hairs where they may be of what `bend` wishes: given a hair and its number, it moves the points, all of them there
-    /// as they are. Hair that may be nowhere near is left as it was, which is told.
+    /// The tuft with hairs where they may be of what `bend` wishes. Hair that may be nowhere near is left as it was, which is told.
     pub(crate) fn bend(
         &mut self,
         route: &Route,
         tuft: &Tuft,
-        mut bend: impl FnMut(&Hair, usize, &mut [Vec3]),
+        bend: &mut impl Bend,
     ) -> Result<Tuft, NodeError> {
-        let (mut hair, mut new) = (Hair::default(), vec![]);
-        let mut moved = route.moved(tuft);
-        for i in 0..tuft.len() {
-            self.tick()?;
-            if !hair.read(tuft.curve(i)) {
-                continue;
-            }
-            new.clear();
-            new.extend_from_slice(tuft.curve(i));
-            bend(&hair, i, &mut new);
-            if let Err(why) = moved.hair(i, &mut new) {
-                self.trouble(tuft.id(i), why);
-            }
-        }
-        Ok(moved.done().map_or_else(|| tuft.clone(), TuftBuilder::build))
+        let (bent, left) = route.bent(tuft, bend, || self.tick())?;
+        left.into_iter().for_each(|(i, why)| self.trouble(tuft.id(i), why));
+        Ok(bent)
+    }
+    /// What `tell` says of each point of a tuft.
+    pub(crate) fn tell(
+        &mut self,
+        tuft: &Tuft,
+        tell: &mut impl Tell,
+    ) -> Result<Vec<f32>, NodeError> {
+        told(tuft, tell, || self.tick())
     }
 }
 

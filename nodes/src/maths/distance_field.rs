@@ -233,26 +233,37 @@ impl DistanceField {
     /// Most CVs are slightly off the skin and need no cell of their own.
     #[inline]
     pub fn is_clear(&self, surface: &Surface, p: Vec3, height: f32) -> bool {
+        self.off_at_least(surface, p, height) > height
+    }
+
+    /// How far outside `p` is at least (cm), as [`Self::is_clear`] tells it; no more is looked for than `enough`. 0 means unknown.
+    #[inline]
+    pub fn off_at_least(&self, surface: &Surface, p: Vec3, enough: f32) -> f32 {
         let (q, i, block) = match self.place(surface, p) {
-            Place::Inside => return false,
-            Place::Outside => return height < self.band(),
+            Place::Inside => return 0.0,
+            Place::Outside => return self.band(),
             Place::Near { q, i, block } => (q, i, block),
         };
         // Margin for rounding of coordinates.
-        let height = height + 0.01 * self.cell + 1e-6 * p.abs().max_element();
-        let clears = |distance: f32, cells: IVec3| {
-            distance - q.distance(cells.as_vec3()) * self.cell > height
+        let margin = 0.01 * self.cell + 1e-6 * p.abs().max_element();
+        let off = |distance: f32, cells: IVec3| {
+            distance - q.distance(cells.as_vec3()) * self.cell - margin
         };
         let middle = |size: i32| (i & !(size - 1)) + size / 2;
-        if clears(block.distance, middle(BLOCK)) {
-            return true;
+        let mut most = off(block.distance, middle(BLOCK)).max(0.0);
+        if most > enough {
+            return most;
         }
         let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
         // The outermost corner of a cell is the best bound.
-        [middle(BRICK), i + block.outward].into_iter().any(|cells| {
+        for cells in [middle(BRICK), i + block.outward] {
             let at = sample_at(cells - (i & !(BRICK - 1)));
-            clears(self.known(surface, brick, at, cells.as_vec3()), cells)
-        })
+            most = most.max(off(self.known(surface, brick, at, cells.as_vec3()), cells));
+            if most > enough {
+                break;
+            }
+        }
+        most
     }
 
     /// Radius (cm) of a ball around `p`, outside, that holds no skin, by the centre of its block alone; 0 means unknown. Samples

@@ -11,6 +11,7 @@ pub mod drawn_span;
 pub mod frame;
 pub mod hair_colour;
 pub mod hash;
+pub mod lanes;
 pub mod low_discrepancy;
 pub mod nearest;
 pub(crate) mod polyline;

@@ -8,6 +8,10 @@
 //! itself on hair-like curves, [`Spline::at`] within 1e-4 of a span of the true arc length. Repeated CVs are allowed;
 //! a curve without any length is refused by name.
 
+use super::lanes::{
+    InLanes, LANES, Simd, Vec3x8, clamp_to_one, each, f32x8, four_at, in_lanes, ops::*, pick,
+    turned,
+};
 use glam::Vec3;
 
 /// Why points make no curve.
@@ -27,8 +31,6 @@ pub enum CurveFault {
 /// Sub-intervals of a span for which the arc length is tabulated. Four keep a quarter turn in one
 /// span (8 CVs a turn has half of that) within the stated accuracy.
 const SUBS: usize = 4;
-/// The most parts in which the length of one is taken.
-const MOST_PARTS: usize = 4;
 
 /// A place on a spline: span and local parameter in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +51,8 @@ pub struct Spline {
     lengths: Vec<f32>,
     /// Speed |d/dt| at each sub-interval's ends, as many.
     speeds: Vec<(f32, f32)>,
+    /// Of a Catmull-Rom spline, the knot distance of each span.
+    knots: Vec<f32>,
 }
 
 impl Spline {
@@ -70,8 +74,8 @@ impl Spline {
         if points.iter().any(|p| !p.is_finite()) {
             return Err(CurveFault::NotFinite);
         }
-        span_coefficients(points, &mut self.spans);
-        self.tabulate(1)
+        span_coefficients(points, &mut self.knots, &mut self.spans);
+        self.tabulate(&WHOLE)
     }
 
     /// Makes this the chain of these polynomials, `((c3 t + c2) t + c1) t + c0` for t from 0 to 1, each of which goes on where
@@ -91,28 +95,12 @@ impl Spline {
             return Err(CurveFault::NotFinite);
         }
         // Curves by whomever: their spans may bend more than those that coif makes.
-        self.tabulate(4)
+        self.tabulate(&IN_FOUR)
     }
 
-    /// The table of arc lengths, once there are spans; each sub-interval is taken in so many parts, [`MOST_PARTS`] at most.
-    fn tabulate(&mut self, parts: usize) -> Result<(), CurveFault> {
-        let stops = Stops::all(parts);
-        self.lengths.push(0.0);
-        let mut total = 0.0f64;
-        for span in &self.spans {
-            let mut arcs = [[0.0; SUBS]; MOST_PARTS];
-            let mut ends = [0.0; SUBS + 1];
-            for (stops, arcs) in stops[..parts].iter().zip(&mut arcs) {
-                let speeds = speeds(span, &stops.at);
-                *arcs = stops.arc_lengths(&speeds);
-                ends.copy_from_slice(&speeds[3 * SUBS..3 * SUBS + SUBS + 1]);
-            }
-            for sub in 0..SUBS {
-                arcs[..parts].iter().for_each(|arcs| total += f64::from(arcs[sub]));
-                self.lengths.push(total as f32);
-                self.speeds.push((ends[sub], ends[sub + 1]));
-            }
-        }
+    /// The table of arc lengths, once there are spans; each sub-interval is taken in these parts.
+    fn tabulate(&mut self, parts: &'static [Stops]) -> Result<(), CurveFault> {
+        let total = in_lanes(Tabulate { spline: self, parts });
         if total > 0.0 && total.is_finite() { Ok(()) } else { Err(CurveFault::NoLength) }
     }
 
@@ -141,10 +129,35 @@ impl Spline {
     /// come.
     pub fn locate_rising(&self, cursor: &mut usize, s: f32) -> SplineParam {
         let s = s.clamp(0.0, self.length());
+        self.advance(cursor, s);
+        self.place_within(*cursor, s)
+    }
+
+    fn advance(&self, cursor: &mut usize, s: f32) {
         while *cursor < self.lengths.len() && self.lengths[*cursor] <= s {
             *cursor += 1;
         }
-        self.place_within(*cursor, s)
+    }
+
+    /// [`Self::locate_rising`] for who works it out in lanes: the sub-interval, by its number.
+    #[inline(always)]
+    pub(crate) fn part_rising(&self, cursor: &mut usize, s: f32) -> usize {
+        self.advance(cursor, s.clamp(0.0, self.length()));
+        cursor.saturating_sub(1).min(self.speeds.len() - 1)
+    }
+
+    /// The place in a sub-interval where its span has the parameter `t`.
+    pub(crate) fn place_in(sub: usize, t: f32) -> SplineParam {
+        SplineParam { span: sub / SUBS, t }
+    }
+
+    /// A sub-interval: the arc lengths at its start and end, the speeds there, and the coefficients of its span.
+    #[inline(always)]
+    pub(crate) fn part(&self, sub: usize) -> ([f32; 4], &[f32; 12]) {
+        let (v0, v1) = self.speeds[sub];
+        let ends = [self.lengths[sub], self.lengths[sub + 1], v0, v1];
+        let cubic: &[f32] = bytemuck::cast_slice(&self.spans[sub / SUBS]);
+        (ends, cubic.first_chunk().expect("four vectors"))
     }
 
     /// The place of arc length `s`, where `after` sub-intervals begin at or before it.
@@ -160,6 +173,51 @@ impl Spline {
         let x = if v0 + root > 0.0 { 2.0 * mean * fraction / (v0 + root) } else { fraction };
         let t = ((sub % SUBS) as f32 + x.clamp(0.0, 1.0)) / SUBS as f32;
         SplineParam { span: sub / SUBS, t }
+    }
+
+    /// The points at arc lengths `s` of eight splines, in these sub-intervals, and the parameters there: as [`Self::locate_rising`] and
+    /// [`Self::point`] tell them.
+    #[inline(always)]
+    pub(crate) fn points_in<S: Simd>(
+        splines: &[&Spline; LANES],
+        subs: &[usize; LANES],
+        s: f32x8<S>,
+    ) -> (Vec3x8<S>, f32x8<S>) {
+        let zero = s.simd.splat_f32x8(0.0);
+        let parts: [_; LANES] = std::array::from_fn(
+            #[inline(always)]
+            |i| splines[i].part(subs[i]),
+        );
+        let row = each(
+            parts.each_ref(),
+            #[inline(always)]
+            |part| &part.0,
+        );
+        let [start, end, v0, v1] = turned(s.simd, row);
+        let four = |at: usize| {
+            let row = each(
+                parts.each_ref(),
+                #[inline(always)]
+                |part| four_at(part.1, at),
+            );
+            turned(s.simd, row)
+        };
+        let ([x0, y0, z0, x1], [y1, z1, x2, y2], [z2, x3, y3, z3]) = (four(0), four(4), four(8));
+        let lengths = s.simd.load_array_f32x8(splines.map(Spline::length));
+        let s = pick(s.simd_lt(0.0), zero, s);
+        let s = pick(s.simd_gt(lengths), lengths, s);
+        let fraction = pick(end.simd_gt(start), (s - start) / (end - start), zero);
+        let mean = 0.5 * (v0 + v1);
+        let square = v0 * v0 + 2.0 * (v1 - v0) * mean * fraction;
+        let root = pick(square.simd_gt(0.0), square, zero).sqrt();
+        let x = pick((v0 + root).simd_gt(0.0), 2.0 * mean * fraction / (v0 + root), fraction);
+        let first = s.simd.load_array_f32x8(subs.map(|sub| (sub % SUBS) as f32));
+        let t = (first + clamp_to_one(x)) / SUBS as f32;
+        let c0 = Vec3x8 { x: x0, y: y0, z: z0 };
+        let c1 = Vec3x8 { x: x1, y: y1, z: z1 };
+        let c2 = Vec3x8 { x: x2, y: y2, z: z2 };
+        let c3 = Vec3x8 { x: x3, y: y3, z: z3 };
+        (((c3 * t + c2) * t + c1) * t + c0, t)
     }
 
     /// The point at a place.
@@ -238,29 +296,26 @@ impl Spline {
     }
 }
 
-fn span_coefficients(points: &[Vec3], spans: &mut Vec<[Vec3; 4]>) {
-    let n = points.len();
-    let knot = |a: Vec3, b: Vec3| a.distance(b).sqrt();
-    for i in 0..n - 1 {
-        let (p1, p2) = (points[i], points[i + 1]);
-        let d12 = knot(p1, p2);
+fn span_coefficients(points: &[Vec3], knots: &mut Vec<f32>, spans: &mut Vec<[Vec3; 4]>) {
+    knots.clear();
+    knots.extend(points.windows(2).map(|w| w[0].distance(w[1]).sqrt()));
+    for (i, w) in points.windows(2).enumerate() {
+        let (p1, p2, d12) = (w[0], w[1], knots[i]);
         if d12 == 0.0 {
             spans.push([p1, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO]);
             continue;
         }
         // Tangents at p1 and p2 for a parameter that runs 0..1 over this span. A missing or repeated
         // neighbour is extrapolated: 2 p1 - p2, at the same knot distance.
-        let tangent = |before: Option<Vec3>, from: Vec3, to: Vec3| {
-            let d01 = before.map_or(0.0, |p| knot(p, from));
-            match before {
-                Some(p0) if d01 > 0.0 => {
-                    ((from - p0) / d01 - (to - p0) / (d01 + d12) + (to - from) / d12) * d12
-                }
-                _ => to - from,
+        let tangent = |before: Option<(Vec3, f32)>, from: Vec3, to: Vec3| match before {
+            Some((p0, d01)) if d01 > 0.0 => {
+                ((from - p0) / d01 - (to - p0) / (d01 + d12) + (to - from) / d12) * d12
             }
+            _ => to - from,
         };
-        let m1 = tangent((i > 0).then(|| points[i - 1]), p1, p2);
-        let m2 = -tangent(points.get(i + 2).copied(), p2, p1);
+        let before = i.checked_sub(1).map(|k| (points[k], knots[k]));
+        let after = points.get(i + 2).map(|p| (*p, knots[i + 1]));
+        let (m1, m2) = (tangent(before, p1, p2), -tangent(after, p2, p1));
         let chord = p2 - p1;
         spans.push([p1, m1, chord * 3.0 - m1 * 2.0 - m2, m1 + m2 - chord * 2.0]);
     }
@@ -270,23 +325,47 @@ fn derivative([_, c1, c2, c3]: &[Vec3; 4], t: f32) -> Vec3 {
     (*c3 * (3.0 * t) + *c2 * 2.0) * t + *c1
 }
 
-/// Parameters at which a span's speed is taken at once, in fours.
-const LANES: usize = 20;
+/// Fills the table of arc lengths and of speeds; gives the whole length.
+struct Tabulate<'a> {
+    spline: &'a mut Spline,
+    parts: &'a [Stops],
+}
 
-/// The speeds at these parameters: numbers of one kind side by side, of which compilers take four at a time.
-#[inline]
-fn speeds([_, c1, c2, c3]: &[Vec3; 4], at: &[f32; LANES]) -> [f32; LANES] {
-    let along = |c1: f32, c2: f32, c3: f32| {
-        let mut out = [0.0; LANES];
-        for (out, t) in out.iter_mut().zip(at) {
-            *out = (c3 * (3.0 * t) + c2 * 2.0) * t + c1;
+impl InLanes for Tabulate<'_> {
+    type Out = f64;
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> f64 {
+        let Self { spline: Spline { spans, lengths, speeds: ends, .. }, parts } = self;
+        lengths.push(0.0);
+        let mut total = 0.0f64;
+        for span in &*spans {
+            let mut arcs = [[0.0; SUBS]; IN_FOUR.len()];
+            let mut at_ends = [0.0; SUBS + 1];
+            for (stops, arcs) in parts.iter().zip(&mut arcs) {
+                let speeds = speeds(s, span, &stops.at);
+                *arcs = stops.arc_lengths(&speeds);
+                at_ends.copy_from_slice(&speeds[3 * SUBS..=4 * SUBS]);
+            }
+            for sub in 0..SUBS {
+                arcs[..parts.len()].iter().for_each(|arcs| total += f64::from(arcs[sub]));
+                lengths.push(total as f32);
+                ends.push((at_ends[sub], at_ends[sub + 1]));
+            }
         }
-        out
-    };
-    let [x, y, z] = [along(c1.x, c2.x, c3.x), along(c1.y, c2.y, c3.y), along(c1.z, c2.z, c3.z)];
-    let mut out = [0.0; LANES];
-    for i in 0..LANES {
-        out[i] = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
+        total
+    }
+}
+
+/// The speeds of a span at these parameters.
+#[inline(always)]
+fn speeds<S: Simd>(s: S, [_, c1, c2, c3]: &[Vec3; 4], at: &[f32; 3 * LANES]) -> [f32; 3 * LANES] {
+    let [c1, c2, c3] = [Vec3x8::splat(s, *c1), Vec3x8::splat(s, *c2), Vec3x8::splat(s, *c3)];
+    let mut out = [0.0; 3 * LANES];
+    let (eights, _) = out.as_chunks_mut::<LANES>();
+    for (out, t) in eights.iter_mut().zip(at.as_chunks::<LANES>().0) {
+        let t = s.load_array_ref_f32x8(t);
+        let velocity = (c3 * (3.0 * t) + c2 * s.splat_f32x8(2.0)) * t + c1;
+        s.store_array_f32x8(velocity.length(), out);
     }
     out
 }
@@ -294,31 +373,36 @@ fn speeds([_, c1, c2, c3]: &[Vec3; 4], at: &[f32; LANES]) -> [f32; LANES] {
 /// Where speeds are taken for the arc lengths of one part of each sub-interval, by Gauss-Legendre with three points (exact for
 /// speeds that are polynomials up to degree five): first, second and third points, then the sub-intervals' ends.
 struct Stops {
-    at: [f32; LANES],
+    at: [f32; 3 * LANES],
     halves: [f32; SUBS],
 }
 
+/// Of sub-intervals that are taken whole, and of those taken in four parts.
+const WHOLE: [Stops; 1] = [Stops::of(0, 1)];
+const IN_FOUR: [Stops; 4] = [Stops::of(0, 4), Stops::of(1, 4), Stops::of(2, 4), Stops::of(3, 4)];
+
 impl Stops {
-    /// Of sub-intervals taken in so many parts, each part's.
-    fn all(parts: usize) -> [Self; MOST_PARTS] {
+    /// Of one of so many parts of each sub-interval.
+    const fn of(part: usize, parts: usize) -> Self {
         const X: f32 = 0.774_596_7;
-        [0, 1, 2, 3].map(|part: usize| {
-            let (mut at, mut halves) = ([1.0; LANES], [0.0; SUBS]);
-            for sub in 0..SUBS {
-                let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
-                let end = |part: usize| t0 + (t1 - t0) * (part as f32 / parts as f32);
-                let (m0, m1) = (end(part), end(part + 1));
-                let (mid, half) = (0.5 * (m0 + m1), 0.5 * (m1 - m0));
-                let gauss = [mid + half * -X, mid, mid + half * X];
-                [at[sub], at[SUBS + sub], at[2 * SUBS + sub]] = gauss;
-                at[3 * SUBS + sub] = t0;
-                halves[sub] = half;
-            }
-            Self { at, halves }
-        })
+        let (mut at, mut halves) = ([1.0; 3 * LANES], [0.0; SUBS]);
+        let mut sub = 0;
+        while sub < SUBS {
+            let (t0, t1) = (sub as f32 / SUBS as f32, (sub + 1) as f32 / SUBS as f32);
+            let m0 = t0 + (t1 - t0) * (part as f32 / parts as f32);
+            let m1 = t0 + (t1 - t0) * ((part + 1) as f32 / parts as f32);
+            let (mid, half) = (0.5 * (m0 + m1), 0.5 * (m1 - m0));
+            at[sub] = mid + half * -X;
+            at[SUBS + sub] = mid;
+            at[2 * SUBS + sub] = mid + half * X;
+            at[3 * SUBS + sub] = t0;
+            halves[sub] = half;
+            sub += 1;
+        }
+        Self { at, halves }
     }
 
-    fn arc_lengths(&self, speeds: &[f32; LANES]) -> [f32; SUBS] {
+    fn arc_lengths(&self, speeds: &[f32; 3 * LANES]) -> [f32; SUBS] {
         let mut arcs = [0.0; SUBS];
         for sub in 0..SUBS {
             let sum = 5.0 * speeds[sub] + 8.0 * speeds[SUBS + sub] + 5.0 * speeds[2 * SUBS + sub];

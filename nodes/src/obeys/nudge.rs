@@ -4,11 +4,14 @@ use super::{Bench, faults};
 use crate::data::attributes::{Domain, ID};
 use crate::data::curves::{Curves, TuftBuilder};
 use crate::data::route::Policy;
+use crate::data::route::bundle::{Bend, Hairs, Wish};
 use crate::data::scalp::tests::shared_ball;
 use crate::data::scalp::{HEAD_RADIUS, HeadFrame, REGION, Scalp};
 use crate::define::{NodeError, Value, node};
 use crate::eval::{EvalCx, TracedScalp};
 use crate::maths::closest::tests::sphere;
+use crate::maths::hash::Dice;
+use crate::maths::lanes::{Simd, Vec3x8};
 use crate::testing::{curves_of, run};
 use glam::Vec3;
 use std::sync::Arc;
@@ -41,13 +44,25 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let placed = cx.by_place(inputs.scalp.as_ref());
     let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
         let route = piece.route(Policy::keep_length(inputs.keep_length));
-        let nudged = piece.bend(&route, tuft, |_, i, new| {
-            let by = |k: u64| Vec3::from([0, 1, 2].map(|a| dice.signed(tuft.id(i), 3 * k + a)));
-            (0..).zip(new).for_each(|(k, p)| *p += by(k) * inputs.far);
-        })?;
-        Ok([nudged])
+        Ok([piece.bend(&route, tuft, &mut Nudge { dice, far: inputs.far })?])
     })?;
     Ok(Outputs { curves })
+}
+
+struct Nudge {
+    dice: Dice,
+    far: f32,
+}
+
+impl Bend for Nudge {
+    #[inline(always)]
+    fn bend<S: Simd>(&mut self, hairs: &Hairs<S>, wish: &mut Wish<S>) {
+        for k in 0..hairs.len() {
+            let by = |a: u64| hairs.ids.map(|id| self.dice.signed(id, 3 * k as u64 + a));
+            let [x, y, z] = [0, 1, 2].map(|a| hairs.s.load_array_f32x8(by(a)));
+            wish.set(k, wish.get(k) + Vec3x8 { x, y, z } * hairs.s.splat_f32x8(self.far));
+        }
+    }
 }
 
 fn nudged(hair: &Curves, set: &[(&'static str, Value)]) -> Curves {

@@ -3,12 +3,15 @@
 //! Guarantees: nothing else changes and nothing else is copied; a constant width is stored once.
 
 use super::along::{ValueDomain, lay};
-use crate::data::attributes::WIDTH;
+use crate::data::attributes::{Domain, WIDTH};
 use crate::data::curves::Curves;
+use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
+use crate::data::route::bundle::{Hairs, Tell};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::EvalCx;
+use crate::maths::lanes::{Eight, Simd, f32x8, ops::*, pick};
 use std::sync::Arc;
 
 node! {
@@ -47,20 +50,52 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let along = |u: f32| (root + (tip - root) * inputs.profile.at(u)).max(0.0);
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
         let scale = inputs.scale.on(tuft, scalp)?;
-        let vary = |i: usize| 1.0 + inputs.variation * dice.signed(tuft.id(i), 0);
+        let of = |id: u64| 1.0 + inputs.variation * dice.signed(id, 0);
+        let vary = |i: usize| of(tuft.id(i));
         let level = level && scale.is_of_curves();
         let alike = inputs.variation == 0.0 && inputs.scale.constant().is_some();
+        let held = ValueDomain::fewest(level, alike);
+        if held == ValueDomain::Point {
+            let profile = &*inputs.profile;
+            let mut widths = Widths { root, tip, profile, scale, of, own: Eight::default() };
+            let widths = piece.tell(tuft, &mut widths)?;
+            let mut out = tuft.edit();
+            out.set(WIDTH, Domain::Point, widths);
+            return Ok([out.build()]);
+        }
         let value =
             |vary: &f32, i: usize, point: usize, u: f32| along(u) * scale.at(i, point, u) * *vary;
-        Ok([lay(piece, tuft, WIDTH, ValueDomain::fewest(level, alike), vary, value)?])
+        Ok([lay(piece, tuft, WIDTH, held, vary, value)?])
     })?;
     Ok(Outputs { curves })
+}
+
+/// Widths that vary along hair.
+struct Widths<'a, V> {
+    root: f32,
+    tip: f32,
+    profile: &'a Ramp,
+    scale: Sampler<'a>,
+    /// Factor of a hair, and of those that are told of.
+    of: V,
+    own: Eight,
+}
+
+impl<V: Fn(u64) -> f32> Tell for Widths<'_, V> {
+    #[inline(always)]
+    fn tell<S: Simd>(&mut self, hairs: &Hairs<S>, k: usize, u: f32x8<S>) -> f32x8<S> {
+        if k == 0 {
+            self.own.set(hairs.own(&self.of));
+        }
+        let width = self.root + (self.tip - self.root) * self.profile.at_each(u);
+        let width = pick(width.simd_gt(0.0), width, hairs.s.splat_f32x8(0.0));
+        width * hairs.field_at(&self.scale, k, u) * self.own.get(hairs.s)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::attributes::Domain;
     use crate::data::attributes::ID;
     use crate::data::curves::TuftBuilder;
     use crate::data::field::Field;

@@ -7,12 +7,14 @@
 use super::middles::{Given, Middles};
 use super::seeds::Seeds;
 use crate::data::curves::{Curves, Tuft};
-use crate::data::field::FieldFault;
+use crate::data::field::{FieldFault, Sampler};
 use crate::data::ramp::Ramp;
 use crate::data::route::Policy;
+use crate::data::route::bundle::{Bend, Hairs, Wish};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, Value as Set, node};
 use crate::eval::{EvalCx, TracedScalp};
+use crate::maths::lanes::{Eight, Simd, ops::*, pick};
 use std::sync::Arc;
 
 node! {
@@ -115,24 +117,42 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
             let levels = levels(tuft, read, scalp)?;
             let route = piece.route(Policy::keep_length(inputs.keep_length));
-            let bent = piece.bend(&route, tuft, |hair, i, new| {
-                if stray.unit(tuft.id(i), 0) < inputs.strays {
-                    return;
-                }
-                let first = tuft.range(i).start;
-                let drawn = |k: usize| {
-                    let u = hair.u(k);
-                    amount.at(i, first + k, u) * inputs.along.at(u)
-                };
-                // The finest level first: clumps of hair, then clumps of clumps.
-                for middles in levels.iter().rev() {
-                    middles.draw((hair, i), new, drawn, inputs.twist.to_radians());
-                }
-            })?;
-            Ok([bent])
+            let (along, twist) = (&*inputs.along, inputs.twist.to_radians());
+            let is_in = |id: u64| stray.unit(id, 0) >= inputs.strays;
+            let mut clump =
+                Clump { amount, along, is_in, twist, levels: &levels, strength: vec![] };
+            Ok([piece.bend(&route, tuft, &mut clump)?])
         },
     )?;
     Ok(Outputs { curves })
+}
+
+/// Draws hairs to the centres of each level.
+struct Clump<'a, B> {
+    amount: Sampler<'a>,
+    along: &'a Ramp,
+    /// Whether a hair is in any clump.
+    is_in: B,
+    twist: f32,
+    levels: &'a [Middles],
+    /// How far each point is drawn.
+    strength: Vec<Eight>,
+}
+
+impl<B: Fn(u64) -> bool> Bend for Clump<'_, B> {
+    #[inline(always)]
+    fn bend<S: Simd>(&mut self, hairs: &Hairs<S>, wish: &mut Wish<S>) {
+        let is_in = hairs.own(|id| f32::from((self.is_in)(id))).simd_gt(0.0);
+        self.strength.resize(hairs.len(), Eight::default());
+        for (k, strength) in self.strength.iter_mut().enumerate() {
+            let drawn = hairs.field(&self.amount, k) * self.along.at_each(hairs.u(k));
+            strength.set(pick(is_in, drawn, hairs.s.splat_f32x8(0.0)));
+        }
+        // The finest level first: clumps of hair, then clumps of clumps.
+        for middles in self.levels.iter().rev() {
+            middles.draw(hairs, wish, &self.strength, self.twist);
+        }
+    }
 }
 
 /// The same curves, one per tuft, so that a key changes with one curve alone.

@@ -5,12 +5,15 @@
 //! kinks finer than the spacing of CVs, which are remarked on.
 
 use crate::data::curves::Curves;
+use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
 use crate::data::route::Policy;
+use crate::data::route::bundle::{Bend, Hairs, Wish};
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, TracedScalp};
-use crate::maths::random_walk::{random_walk, smooth};
-use glam::Vec2;
+use crate::maths::hash::Dice;
+use crate::maths::lanes::{Eight, LANES, Simd, Vec3x8, f32x8, ops::*, pick};
+use crate::maths::random_walk::{random_walks, smooth_each};
 use std::sync::Arc;
 
 node! {
@@ -59,31 +62,78 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
         let route = piece.route(Policy::keep_length(inputs.keep_length));
         let amplitude = inputs.amplitude.on(tuft, piece.scalp())?;
-        let (mut frames, mut walk, mut steps) = (vec![], vec![], vec![]);
-        let bent = piece.bend(&route, tuft, |hair, i, new| {
-            let (first, id) = (tuft.range(i).start, tuft.id(i));
-            let own = 1.0 - inputs.variation * dice.unit(id, 0);
-            let far = |k: usize| {
-                let u = hair.u(k);
-                amplitude.at(i, first + k, u) * own * inputs.along.at(u)
-            };
-            if (1..new.len()).all(|k| far(k) == 0.0) {
-                return;
-            }
-            let spans = (hair.length() / step).ceil().clamp(1.0, MOST_STEPS);
-            steps.clear();
-            steps.resize(spans as usize + 1, inputs.kink);
-            walk.resize(steps.len() + 2, Vec2::ZERO);
-            random_walk(walk_dice, id, Vec2::ZERO, &steps, &mut walk);
-            hair.frames(&mut frames);
-            for (k, p) in new.iter_mut().enumerate().skip(1) {
-                let (knot, [a, b, c]) = smooth((hair.come(k) / step).min(spans));
-                let d = walk[knot] * a + walk[knot + 1] * b + walk[knot + 2] * c;
-                *p += frames[k].across(d.x, d.y) * far(k);
-            }
-        })?;
-        Ok([bent])
+        let own = |id: u64| 1.0 - inputs.variation * dice.unit(id, 0);
+        let (along, kink) = (&*inputs.along, inputs.kink);
+        let mut frizz =
+            Frizz { amplitude, along, own, step, kink, walk_dice, scratch: Scratch::default() };
+        Ok([piece.bend(&route, tuft, &mut frizz)?])
     })?;
-    super::coarse::remark_coarse(cx, &inputs.curves, step, "the step from kink to kink");
+    super::coarse::remark_coarse(cx, &inputs.curves, step, "the step from kink to kink")?;
     Ok(Outputs { curves })
+}
+
+/// Displaces every CV as the walk of its hair does.
+struct Frizz<'a, O> {
+    amplitude: Sampler<'a>,
+    along: &'a Ramp,
+    /// Factor of a hair.
+    own: O,
+    step: f32,
+    kink: f32,
+    walk_dice: Dice,
+    scratch: Scratch,
+}
+
+#[derive(Default)]
+struct Scratch {
+    far: Vec<Eight>,
+    frames: Vec<[[Eight; 3]; 2]>,
+    walk: Vec<[Eight; 2]>,
+}
+
+impl<O: Fn(u64) -> f32> Bend for Frizz<'_, O> {
+    #[inline(always)]
+    fn bend<S: Simd>(&mut self, hairs: &Hairs<S>, wish: &mut Wish<S>) {
+        let (s, own) = (hairs.s, hairs.own(&self.own));
+        let Scratch { far, frames, walk } = &mut self.scratch;
+        far.resize(hairs.len(), Eight::default());
+        let mut frizzes = s.splat_mask32x8(0);
+        for (k, to) in far.iter_mut().enumerate().skip(1) {
+            let far = hairs.field(&self.amplitude, k) * own * self.along.at_each(hairs.u(k));
+            frizzes |= !far.simd_eq(0.0) & hairs.has(k);
+            to.set(far);
+        }
+        if s.all_false_mask32x8(frizzes) {
+            return;
+        }
+        let mut spans = Eight::default();
+        spans.set(hairs.length() / self.step);
+        spans.0 = spans.0.map(|x| x.ceil().clamp(1.0, MOST_STEPS));
+        random_walks(s, self.walk_dice, hairs.ids, spans.0, self.kink, walk);
+        hairs.frames(frames);
+        for k in 1..hairs.len() {
+            let at = hairs.come(k) / self.step;
+            let most = spans.get(s);
+            let (knot, [a, b, c]) = smooth_each(pick(at.simd_lt(most), at, most));
+            let (d, e) = (knots(s, walk, &knot, 0), knots(s, walk, &knot, 1));
+            let f = knots(s, walk, &knot, 2);
+            let [x, y] = [d[0] * a + e[0] * b + f[0] * c, d[1] * a + e[1] * b + f[1] * c];
+            let (tangent, normal) =
+                (Vec3x8::load(s, &frames[k][0]), Vec3x8::load(s, &frames[k][1]));
+            let p = wish.get(k);
+            let off = tangent.cross(normal) * x + normal * y;
+            wish.set(k, Vec3x8::pick(frizzes, p + off * far[k].get(s), p));
+        }
+    }
+}
+
+/// The place of each hair at a knot of its walk, so many after another.
+#[inline(always)]
+fn knots<S: Simd>(s: S, walk: &[[Eight; 2]], knot: &[usize; LANES], next: usize) -> [f32x8<S>; 2] {
+    let mut at = [Eight::default(); 2];
+    for i in 0..LANES {
+        let knot = &walk[(knot[i] + next).min(walk.len() - 1)];
+        (at[0].0[i], at[1].0[i]) = (knot[0].0[i], knot[1].0[i]);
+    }
+    [at[0].get(s), at[1].get(s)]
 }

@@ -7,11 +7,12 @@
 use super::seeds::Seeds;
 use crate::data::attributes::{PARENT, SCALP_NORMAL};
 use crate::data::curves::{AttributeView, Tuft};
-use crate::data::route::hair::Hair;
+use crate::data::route::bundle::{Hairs, Wish};
 use crate::data::scalp::{HeadFrame, Scalp};
+use crate::maths::lanes::sin_cos as sin_cos_each;
+use crate::maths::lanes::{Eight, LANES, Simd, Vec3x8, f32x8, ops::*};
 use crate::maths::nearest::KdTree;
 use crate::maths::spline::Spline;
-use crate::maths::transcendental::sin_cos;
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -130,6 +131,7 @@ impl Middles {
         scalp: Option<&Scalp>,
     ) -> Self {
         let frame = frame.unwrap_or(&HeadFrame::IDENTITY);
+        let mut seeds = seeds.kept();
         Self::grouped(tuft, scalp, |i| {
             let root = *tuft.curve(i).first().filter(|root| root.is_finite())?;
             let seed = seeds.nearest(frame.head_from_vector(root - frame.origin));
@@ -141,7 +143,7 @@ impl Middles {
     fn grouped(
         tuft: &Tuft,
         scalp: Option<&Scalp>,
-        key: impl Fn(usize) -> Option<(u64, Option<Vec3>)>,
+        mut key: impl FnMut(usize) -> Option<(u64, Option<Vec3>)>,
     ) -> Self {
         let mut groups = BTreeMap::new();
         let mut all = vec![];
@@ -164,33 +166,64 @@ impl Middles {
         Self { all, of }
     }
 
-    /// Draws the points `new` of a hair to its centre at the same distance from the root: by `strength` (0 to 1) at each, rotated
-    /// about it by `twist` radians at full strength. Past the end of the centre, the hair keeps its own shape.
-    pub(super) fn draw(
+    /// Draws hairs to their centres at the same distance from the root: at each point by `strength` (0 to 1), rotated about it by
+    /// `twist` radians at full strength. Past the end of its centre, a hair keeps its own shape.
+    #[inline(always)]
+    pub(super) fn draw<S: Simd>(
         &self,
-        (hair, i): (&Hair, usize),
-        new: &mut [Vec3],
-        strength: impl Fn(usize) -> f32,
+        hairs: &Hairs<S>,
+        wish: &mut Wish<S>,
+        strength: &[Eight],
         twist: f32,
     ) {
-        let Some(Middle { way, shift }) = self.of[i].map(|n| &self.all[n as usize]) else { return };
-        let mut cursor = 0;
-        for (k, p) in new.iter_mut().enumerate().skip(1) {
-            let drawn = strength(k);
-            if drawn <= 0.0 {
+        let s = hairs.s;
+        let of = hairs.numbers.map(|i| self.of[i]);
+        let Some(some) = of.iter().flatten().next() else { return };
+        let middles = of.map(|n| &self.all[n.unwrap_or(*some) as usize]);
+        let ways = middles.map(|middle| &middle.way);
+        let has = s.load_array_f32x8(of.map(|n| f32::from(n.is_some()))).simd_gt(0.0);
+        let mut shift = [Eight::default(); 3];
+        for (i, middle) in middles.iter().enumerate() {
+            [shift[0].0[i], shift[1].0[i], shift[2].0[i]] = middle.shift.to_array();
+        }
+        let shift = Vec3x8::load(s, &shift);
+        let lengths = s.load_array_f32x8(ways.map(Spline::length));
+        // Where hairs are as long as their centres.
+        let mut ends = [Eight::default(); 3];
+        for (i, way) in ways.iter().enumerate() {
+            let length = way.length();
+            if hairs.come_of_lane(hairs.len() - 1, i) > length {
+                let at = hairs.at(i, length);
+                [ends[0].0[i], ends[1].0[i], ends[2].0[i]] = at.to_array();
+            }
+        }
+        let ends = Vec3x8::load(s, &ends);
+        let mut cursors = [0; LANES];
+        for (k, drawn) in strength.iter().enumerate().take(hairs.len()).skip(1) {
+            let (drawn, come) = (drawn.get(s), hairs.come(k));
+            let draws = has & !drawn.simd_le(0.0);
+            if s.all_false_mask32x8(draws) {
                 continue;
             }
-            let come = hair.come(k);
-            let place = way.locate_rising(&mut cursor, come);
-            let mut middle = way.point(place) + *shift;
-            if come > way.length() {
-                middle += hair.points()[k] - hair.at(way.length());
+            let mut subs = [0; LANES];
+            for (i, sub) in subs.iter_mut().enumerate() {
+                *sub = ways[i].part_rising(&mut cursors[i], hairs.come_of_lane(k, i));
             }
-            let mut off = *p - middle;
+            let (on, t) = Spline::points_in(&ways, &subs, come);
+            let middle = on + shift;
+            let beyond = middle + (hairs.point(k) - ends);
+            let middle = Vec3x8::pick(come.simd_gt(lengths), beyond, middle);
+            let p = wish.get(k);
+            let mut off = p - middle;
             if twist != 0.0 {
-                off = turned(off, way.tangent(place), twist * drawn);
+                let (mut axis, t) = ([Eight::default(); 3], s.as_array_f32x8(t));
+                for i in 0..LANES {
+                    let tangent = ways[i].tangent(Spline::place_in(subs[i], t[i]));
+                    [axis[0].0[i], axis[1].0[i], axis[2].0[i]] = tangent.to_array();
+                }
+                off = turned(off, Vec3x8::load(s, &axis), drawn * twist);
             }
-            *p = middle + off * (1.0 - drawn);
+            wish.set(k, Vec3x8::pick(draws, middle + off * (1.0 - drawn), p));
         }
     }
 }
@@ -245,7 +278,8 @@ fn shift(tuft: &Tuft, i: usize, place: Vec3, scalp: Option<&Scalp>) -> Vec3 {
 }
 
 /// `v` rotated about a unit axis, by Rodrigues' formula.
-pub(super) fn turned(v: Vec3, axis: Vec3, radians: f32) -> Vec3 {
-    let (sin, cos) = sin_cos(radians);
+#[inline(always)]
+fn turned<S: Simd>(v: Vec3x8<S>, axis: Vec3x8<S>, radians: f32x8<S>) -> Vec3x8<S> {
+    let (sin, cos) = sin_cos_each(radians);
     v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
 }

@@ -3,14 +3,16 @@
 //! Guarantees: those of `data/route`; before lengths are restored, no CV is displaced by more than the amplitude. Not promised:
 //! waves finer than the spacing of CVs, which are remarked on.
 
-use super::waves::Waves;
+use super::waves::{InSpace, OnHairs, Waves};
 use crate::data::curves::Curves;
+use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
 use crate::data::route::Policy;
-use crate::data::route::hair::Hair;
+use crate::data::route::bundle::{Bend, Hairs, Wish};
+use crate::data::scalp::HeadFrame;
 use crate::define::{FieldInput, NodeError, choice, node};
 use crate::eval::{EvalCx, TracedScalp};
-use glam::Vec3;
+use crate::maths::lanes::{Simd, Vec3x8, ops::*};
 use std::sync::Arc;
 
 node! {
@@ -67,45 +69,84 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         octaves: inputs.octaves as u32,
         roughness: inputs.roughness,
     };
-    // In the head's axes, so that the waves move with the head.
     let frame = inputs.scalp.as_ref().map(|scalp| *scalp.head().frame());
-    let in_space = |p: Vec3| match &frame {
-        Some(frame) => {
-            let at = frame.head_from_vector(p - frame.origin) / wavelength;
-            frame.vector_from_head(waves.in_space(at))
-        }
-        None => waves.in_space(p / wavelength),
-    };
     let placed = cx.by_place(inputs.scalp.as_ref());
     let [curves] = placed.each_tuft(&inputs.curves, |tuft, piece| {
         let route = piece.route(Policy::keep_length(inputs.keep_length));
-        let amplitude = inputs.amplitude.on(tuft, piece.scalp())?;
-        let bent = piece.bend(&route, tuft, |hair, i, new| {
-            let first = tuft.range(i).start;
-            let far = |k: usize| {
-                let u = hair.u(k);
-                amplitude.at(i, first + k, u) * inputs.along.at(u)
-            };
-            match inputs.together {
-                Together::Space => wave(hair, new, far, |k| in_space(hair.points()[k])),
-                Together::Hair => {
-                    let id = tuft.id(i);
-                    wave(hair, new, far, |k| waves.along(id, hair.come(k) / wavelength));
-                }
+        let (amplitude, along) = (inputs.amplitude.on(tuft, piece.scalp())?, &*inputs.along);
+        let bent = match inputs.together {
+            Together::Space => {
+                let waves = Across { waves: InSpace::new(&waves), frame, wavelength };
+                piece.bend(&route, tuft, &mut Noise { amplitude, along, waves })
             }
-        })?;
-        Ok([bent])
+            Together::Hair => {
+                let waves = Along { waves: OnHairs::new(&waves), wavelength };
+                piece.bend(&route, tuft, &mut Noise { amplitude, along, waves })
+            }
+        };
+        Ok([bent?])
     })?;
-    super::coarse::remark_coarse(cx, &inputs.curves, 0.5 * wavelength, "half the wavelength");
+    super::coarse::remark_coarse(cx, &inputs.curves, 0.5 * wavelength, "half the wavelength")?;
     Ok(Outputs { curves })
 }
 
-/// Displaces every CV across its hair by `far` (cm) times a vector of `waves`.
-fn wave(hair: &Hair, new: &mut [Vec3], far: impl Fn(usize) -> f32, waves: impl Fn(usize) -> Vec3) {
-    for (k, p) in new.iter_mut().enumerate().skip(1) {
-        let far = far(k);
-        if far != 0.0 {
-            *p += waves(k).reject_from_normalized(hair.tangent(k)) * far;
+/// Displaces every CV across its hair by the amplitude times a vector of the waves.
+struct Noise<'a, W> {
+    amplitude: Sampler<'a>,
+    along: &'a Ramp,
+    waves: W,
+}
+
+/// Waves at point `k` of hairs.
+trait At {
+    fn at<S: Simd>(&mut self, hairs: &Hairs<S>, k: usize) -> Vec3x8<S>;
+}
+
+impl<W: At> Bend for Noise<'_, W> {
+    #[inline(always)]
+    fn bend<S: Simd>(&mut self, hairs: &Hairs<S>, wish: &mut Wish<S>) {
+        for k in 1..hairs.len() {
+            let far = hairs.field(&self.amplitude, k) * self.along.at_each(hairs.u(k));
+            let wave = self.waves.at(hairs, k).reject_from(hairs.tangent(k));
+            let p = wish.get(k);
+            wish.set(k, Vec3x8::pick(far.simd_eq(0.0), p, p + wave * far));
         }
+    }
+}
+
+/// Waves in space, in the axes of a head, so that they move with it.
+struct Across<'a> {
+    waves: InSpace<'a>,
+    frame: Option<HeadFrame>,
+    wavelength: f32,
+}
+
+impl At for Across<'_> {
+    #[inline(always)]
+    fn at<S: Simd>(&mut self, hairs: &Hairs<S>, k: usize) -> Vec3x8<S> {
+        let (s, p, per) = (hairs.s, hairs.point(k), self.wavelength);
+        let Some(frame) = &self.frame else {
+            return self.waves.at(Vec3x8 { x: p.x / per, y: p.y / per, z: p.z / per });
+        };
+        let (right, up) = (Vec3x8::splat(s, frame.right), Vec3x8::splat(s, frame.up));
+        let forward = Vec3x8::splat(s, frame.forward);
+        let from = p - Vec3x8::splat(s, frame.origin);
+        let at =
+            Vec3x8 { x: from.dot(right) / per, y: from.dot(up) / per, z: from.dot(forward) / per };
+        let wave = self.waves.at(at);
+        right * wave.x + up * wave.y + forward * wave.z
+    }
+}
+
+/// Waves along each hair.
+struct Along<'a> {
+    waves: OnHairs<'a>,
+    wavelength: f32,
+}
+
+impl At for Along<'_> {
+    #[inline(always)]
+    fn at<S: Simd>(&mut self, hairs: &Hairs<S>, k: usize) -> Vec3x8<S> {
+        self.waves.at(hairs.ids, hairs.come(k) / self.wavelength)
     }
 }

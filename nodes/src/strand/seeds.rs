@@ -6,6 +6,7 @@
 
 use crate::maths::hash::Dice;
 use glam::Vec3;
+use std::collections::BTreeMap;
 
 /// Number of seeds whose cell meets a square of a plane, with sides of one lattice cell.
 const ON_A_PLANE: f32 = 1.4;
@@ -38,31 +39,55 @@ impl Seeds {
         let corner = Vec3::from(cell.map(|c| c as f32));
         Seed { key, at: (corner + within) * self.side }
     }
+    /// To be asked about places that lie near each other: each cell's seed is drawn once.
+    pub(super) fn kept(&self) -> DrawnSeeds<'_> {
+        DrawnSeeds { seeds: self, drawn: BTreeMap::new() }
+    }
+}
+
+/// Seeds, as far as they have been asked for.
+pub(super) struct DrawnSeeds<'a> {
+    seeds: &'a Seeds,
+    /// Of a cell, those of itself and of the cells around it, as far as they were asked for.
+    drawn: BTreeMap<[i64; 3], [Option<Seed>; 27]>,
+}
+
+/// Number of the middle one of 27 cells.
+const MIDDLE: usize = 13;
+
+impl DrawnSeeds<'_> {
     /// The nearest seed in the cell of a place and its neighbours.
-    pub(super) fn nearest(&self, p: Vec3) -> Seed {
-        let q = p / self.side;
+    pub(super) fn nearest(&mut self, p: Vec3) -> Seed {
+        let seeds = self.seeds;
+        let q = p / seeds.side;
         let low = q.floor();
         let cell = low.to_array().map(|x| x as i64);
+        let drawn = self.drawn.entry(cell).or_insert([None; 27]);
+        let step = |k: usize| [k % 3, k / 3 % 3, k / 9].map(|x| x as i64 - 1);
+        let mut seed = |k: usize| {
+            let at = |axis: usize| cell[axis].saturating_add(step(k)[axis]);
+            *drawn[k].get_or_insert_with(|| seeds.seed([0, 1, 2].map(at)))
+        };
         // How far off the cells beside it are, less what is rounded.
         let rounding = 1e-6 * (1.0 + q.abs().max_element());
         let [below, above] = [q - low, Vec3::ONE - (q - low)];
         let [below, above] = [below, above].map(|off| (off - rounding).max(Vec3::ZERO).to_array());
-        let mut best = self.seed(cell);
-        let mut reach = best.at.distance_squared(p) / (self.side * self.side) * 1.001;
-        for k in (0..27i64).filter(|k| *k != 13) {
-            let step = [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1];
-            let off = |a: usize| match step[a] {
+        let reach = |seed: &Seed| seed.at.distance_squared(p) / (seeds.side * seeds.side) * 1.001;
+        let mut best = seed(MIDDLE);
+        let mut most = reach(&best);
+        for k in (0..27).filter(|k| *k != MIDDLE) {
+            let off = |a: usize| match step(k)[a] {
                 -1 => below[a],
                 1 => above[a],
                 _ => 0.0,
             };
-            if off(0) * off(0) + off(1) * off(1) + off(2) * off(2) > reach {
+            if off(0) * off(0) + off(1) * off(1) + off(2) * off(2) > most {
                 continue;
             }
-            let seed = self.seed([0, 1, 2].map(|axis| cell[axis].saturating_add(step[axis])));
+            let seed = seed(k);
             if seed.at.distance_squared(p) < best.at.distance_squared(p) {
                 best = seed;
-                reach = best.at.distance_squared(p) / (self.side * self.side) * 1.001;
+                most = reach(&best);
             }
         }
         best
@@ -87,7 +112,8 @@ mod tests {
                 let (side, step) = (20.0 / density.sqrt(), 0.125 / density.sqrt());
                 let n = (side / step) as u32;
                 let at = |k: u32| v(1) * 9.0 + (x * (k % n) as f32 + y * (k / n) as f32) * step;
-                let found: BTreeSet<u64> = (0..n * n).map(|k| seeds.nearest(at(k)).key).collect();
+                let mut kept = seeds.kept();
+                let found: BTreeSet<u64> = (0..n * n).map(|k| kept.nearest(at(k)).key).collect();
                 let found = found.len() as f32 / (side * side);
                 assert!((found / density - 1.0).abs() < 0.25, "{density}: {found}");
             }

@@ -3,14 +3,18 @@
 //! Guarantees: those of `data/route`; which hairs stray depends on their ids alone, and a higher share only adds some; before
 //! lengths are restored, no CV is displaced by more than the distance.
 
-use super::waves::Waves;
+use super::waves::{OnHairs, Waves};
 use crate::data::attributes::SCALP_NORMAL;
 use crate::data::curves::{Curves, Tuft};
+use crate::data::field::Sampler;
 use crate::data::ramp::Ramp;
 use crate::data::route::Policy;
+use crate::data::route::bundle::{Bend, Hairs, Wish};
 use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, TracedScalp};
+use crate::maths::frame::{Frame, any_normal};
+use crate::maths::lanes::{Eight, LANES, Simd, Vec3x8, lane, ops::*};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 use std::sync::Arc;
@@ -61,31 +65,66 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let route = piece.route(Policy::keep_length(inputs.keep_length));
         let scalp = piece.scalp();
         let (share, distance) = (inputs.share.on(tuft, scalp)?, inputs.distance.on(tuft, scalp)?);
-        let mut frames = vec![];
-        let bent = piece.bend(&route, tuft, |hair, i, new| {
-            let (first, id) = (tuft.range(i).start, tuft.id(i));
-            if dice.unit(id, 0) >= share.at(i, first, 0.0) {
-                return;
-            }
-            // Few go the full distance.
-            let far = 0.25 + 0.75 * dice.unit(id, 1);
-            hair.frames(&mut frames);
-            let (y, x) = sin_cos_turns(dice.unit(id, 2));
-            let aside = frames[0].across(x, y);
+        let (along, wave) = (&*inputs.along, inputs.wave);
+        let waves = OnHairs::new(&waves);
+        let way = |i: usize, tangent: Vec3| {
+            let frame = Frame { tangent, normal: any_normal(tangent) };
+            let (y, x) = sin_cos_turns(dice.unit(tuft.id(i), 2));
+            let aside = frame.across(x, y);
             let out = outward(tuft, i, scalp).map_or(aside, |out| aside.lerp(out, inputs.lift));
-            let way = out.normalize_or(aside);
-            for (k, p) in new.iter_mut().enumerate().skip(1) {
-                let u = hair.u(k);
-                let off = far * distance.at(i, first + k, u) * inputs.along.at(u);
-                if off != 0.0 {
-                    let wave = waves.along(id, hair.come(k) / wave_length) * inputs.wave;
-                    *p += (way + wave).clamp_length_max(1.0) * off;
-                }
-            }
-        })?;
-        Ok([bent])
+            out.normalize_or(aside)
+        };
+        let strays = |i: usize| dice.unit(tuft.id(i), 0) < share.at(i, tuft.range(i).start, 0.0);
+        // Few go the full distance.
+        let far = |i: usize| 0.25 + 0.75 * dice.unit(tuft.id(i), 1);
+        let mut stray = Stray { distance, along, wave_length, wave, waves, strays, far, way };
+        Ok([piece.bend(&route, tuft, &mut stray)?])
     })?;
     Ok(Outputs { curves })
+}
+
+/// Bends some hairs of a tuft aside.
+struct Stray<'a, B, F, W> {
+    distance: Sampler<'a>,
+    along: &'a Ramp,
+    wave_length: f32,
+    wave: f32,
+    waves: OnHairs<'a>,
+    /// Of a hair, whether it strays, how far, and which way if it has this tangent at its root.
+    strays: B,
+    far: F,
+    way: W,
+}
+
+impl<B, F, W> Bend for Stray<'_, B, F, W>
+where
+    B: Fn(usize) -> bool,
+    F: Fn(usize) -> f32,
+    W: Fn(usize, Vec3) -> Vec3,
+{
+    #[inline(always)]
+    fn bend<S: Simd>(&mut self, hairs: &Hairs<S>, wish: &mut Wish<S>) {
+        let (s, strays) = (hairs.s, hairs.numbers.map(|i| (self.strays)(i)));
+        if !strays.contains(&true) {
+            return;
+        }
+        let tangent = hairs.tangent(0).spilled();
+        let (mut way, mut far) = ([Eight::default(); 3], Eight::default());
+        for i in (0..LANES).filter(|i| strays[*i]) {
+            let number = hairs.numbers[i];
+            far.0[i] = (self.far)(number);
+            let to = (self.way)(number, lane(&tangent, i));
+            [way[0].0[i], way[1].0[i], way[2].0[i]] = to.to_array();
+        }
+        let (way, far) = (Vec3x8::load(s, &way), far.get(s));
+        for k in 1..hairs.len() {
+            let off = far * hairs.field(&self.distance, k) * self.along.at_each(hairs.u(k));
+            let wave = self.waves.at(hairs.ids, hairs.come(k) / self.wave_length);
+            let p = wish.get(k);
+            let to = p + (way + wave * s.splat_f32x8(self.wave)).within_one() * off;
+            wish.set(k, Vec3x8::pick(off.simd_eq(0.0), p, to));
+        }
+    }
 }
 
 /// Direction away from the skin at the root of a curve, by the scalp or the curve itself.

@@ -86,9 +86,14 @@ impl Skin<'_> {
         if self.is_rough() || points.len() < 2 {
             return;
         }
-        let mut near = None;
-        for k in (0..points.len() - 1).filter(|k| asked(*k)) {
-            if let Some(dip) = self.dip(points, k, [depth(k), depth(k + 1)], &mut near) {
+        // What the end of one span says is the start of the next.
+        let (mut near, mut start) = (None, None);
+        for k in 0..points.len() - 1 {
+            if !asked(k) {
+                start = None;
+            } else if let Some(dip) =
+                self.dip(points, k, [depth(k), depth(k + 1)], &mut near, &mut start)
+            {
                 found(dip);
             }
         }
@@ -108,8 +113,9 @@ impl Skin<'_> {
         k: usize,
         allowed: [f32; 2],
         near: &mut Option<u32>,
+        start: &mut Option<SkinSample>,
     ) -> Option<Dip> {
-        let deepest = self.deepest(&DrawnSpan::of(points, k), allowed, near)?;
+        let deepest = self.deepest_from(&DrawnSpan::of(points, k), allowed, near, start)?;
         let SkinSample { t, at, excess, way, .. } = deepest;
         Some(Dip { span: k, t, at, excess, way: way.filter(|_| excess > DIP)? })
     }
@@ -121,23 +127,40 @@ impl Skin<'_> {
         allowed: [f32; 2],
         near: &mut Option<u32>,
     ) -> Option<SkinSample> {
+        self.deepest_from(span, allowed, near, &mut None)
+    }
+
+    /// [`Self::deepest`] where the sample at the span's `start` may be known; it becomes that of the next span.
+    fn deepest_from(
+        &self,
+        span: &DrawnSpan,
+        allowed: [f32; 2],
+        near: &mut Option<u32>,
+        start: &mut Option<SkinSample>,
+    ) -> Option<SkinSample> {
+        let first = start.take();
         let (middle, radius) = span.ball();
         if self.stands_off(middle, radius) || self.is_clear(middle, radius) {
             return None;
         }
-        let count = (2.0 * radius / STEP).ceil().clamp(2.0, MOST);
         let mut sample = |t: f32| self.sample(span, t, allowed, near);
-        let mut worst = sample(0.0);
+        let mut worst = first.unwrap_or_else(|| sample(0.0));
+        let last = sample(1.0);
+        *start = Some(SkinSample { t: 0.0, ..last });
+        // Most lie along the skin, farther off than they are long.
+        reaches(&worst, &last, span.leaves_chord(1.0))?;
+        let count = (2.0 * radius / STEP).ceil().clamp(2.0, MOST);
         let mut before = worst;
         for n in 1..=count as usize {
-            let here = sample(n as f32 / count);
+            let here = if n == count as usize { last } else { sample(n as f32 / count) };
             let mut halves = [(before, here, 0); 2 + HALVINGS];
             let mut open = 1;
             while open > 0 {
                 open -= 1;
                 let (a, b, halved) = halves[open];
                 let bar = if worst.excess > DIP { worst.excess + 0.25 * DIP } else { DIP };
-                if halved == HALVINGS || reaches(&a, &b, span.leaves_chord(b.t - a.t)) <= bar {
+                let reach = reaches(&a, &b, span.leaves_chord(b.t - a.t));
+                if halved == HALVINGS || reach.is_none_or(|reach| reach <= bar) {
                     continue;
                 }
                 let middle = sample((a.t + b.t) * 0.5);
@@ -194,6 +217,17 @@ impl Skin<'_> {
         may: impl Fn(usize) -> bool,
         depth: impl Fn(usize) -> f32,
     ) -> bool {
+        self.clear_drawn_where(points, may, depth, |_, _| false)
+    }
+
+    /// [`Self::clear_drawn`] that does not ask about spans that `are_off` the skin as the points lie at first.
+    pub(super) fn clear_drawn_where(
+        &self,
+        points: &mut [Vec3],
+        may: impl Fn(usize) -> bool,
+        depth: impl Fn(usize) -> f32,
+        are_off: impl Fn(&[Vec3], usize) -> bool,
+    ) -> bool {
         if self.is_rough() {
             return false;
         }
@@ -207,7 +241,7 @@ impl Skin<'_> {
             };
             self.dips(
                 points,
-                |k| (may(k) || may(k + 1)) && is_new(k),
+                |k| (may(k) || may(k + 1)) && is_new(k) && !(round == 1 && are_off(points, k)),
                 &depth,
                 |dip| dips.push(dip),
             );
@@ -269,18 +303,18 @@ impl Skin<'_> {
 }
 
 /// How much deeper than allowed (cm) the curve, which leaves the straight line between two samples by no more than `aside` (cm), may lie
-/// between them: the skin rises by no more than a ridge does whose two sides they lie on.
-fn reaches(a: &SkinSample, b: &SkinSample, aside: f32) -> f32 {
+/// between them: the skin rises by no more than a ridge does whose two sides they lie on. None where it is nowhere near the skin.
+fn reaches(a: &SkinSample, b: &SkinSample, aside: f32) -> Option<f32> {
     let apart = a.at.distance(b.at);
     // What is farther off than the curve is long there is not met.
     if a.distance + b.distance > apart + 2.0 * aside {
-        return f32::MIN;
+        return None;
     }
     let rise = match (a.way, b.way) {
         (Some(one), Some(other)) => 0.25 * apart * one.distance(other),
         _ => 0.5 * apart,
     };
-    a.excess.max(b.excess) + aside + rise
+    Some(a.excess.max(b.excess) + aside + rise)
 }
 
 #[cfg(test)]

@@ -18,12 +18,15 @@ use super::curves::{AttributeView, Tuft, TuftBuilder};
 use super::patience::Patience;
 use super::scalp::Scalp;
 use super::skin::Skin;
+use air::Air;
+use bundle::{Bend, Wished, wished};
 use drawn::DIP;
 use glam::Vec3;
 use section_guard::Home;
 
+mod air;
+pub(crate) mod bundle;
 pub(crate) mod drawn;
-pub(crate) mod hair;
 pub(crate) mod makers;
 mod push;
 pub(crate) mod section_guard;
@@ -119,26 +122,74 @@ impl<'a> Route<'a> {
         if !new.iter().all(|p| p.is_finite()) {
             return Err(Left::Far);
         }
+        self.settle_wished(old, new, depth)
+    }
+
+    /// [`Self::settle`] of a wish that is finite, and of which lengths are kept that are to run the way they were bent to.
+    fn settle_wished(
+        &self,
+        old: &[Vec3],
+        new: &mut [Vec3],
+        depth: impl Fn(usize) -> f32,
+    ) -> Result<(), Left> {
         if self.policy.lengths == Lengths::KeptTowards {
             keep_lengths_towards(old, new, self.skin.as_ref(), &depth);
         }
         let (Some(skin), Some(scalp)) = (self.skin, self.scalp) else { return Ok(()) };
         // What was not moved lies as it lay.
         let stays: Vec<bool> = old.iter().zip(&*new).map(|(old, new)| old == new).collect();
+        let mut air = Air::new(&skin, new.len(), |_| 0.0);
         match self.policy.lengths {
             Lengths::KeptTowards => {}
             lengths => {
-                let cleared = skin.clear(new, |k| (!stays[k]).then(|| depth(k)));
+                let is_off = |points: &[Vec3], k: usize| air.holds(points, k, -depth(k));
+                let cleared = skin.clear_where(new, |k| (!stays[k]).then(|| depth(k)), is_off);
                 if cleared && lengths == Lengths::Kept {
                     keep_lengths_outside(old, new, &skin, &depth);
+                }
+                if cleared {
+                    air = Air::new(&skin, new.len(), |_| 0.0);
                 }
             }
         }
         let home = scalp.home(old[0]).filter(|_| self.policy.own_section);
         if let Some(home) = &home {
-            keep_home(home, &skin, old, new, &depth);
+            keep_home(home, &skin, old, new, &mut air, &depth);
         }
-        settle_drawn((&skin, home.as_ref()), old, new, |k| k > 0 && !stays[k], &depth)
+        settle_drawn((&skin, home.as_ref()), old, new, &air, |k| k > 0 && !stays[k], &depth)
+    }
+
+    /// The tuft with hairs where they may be of what `bend` wishes, and which were left as they were. `tick` is called for each hair.
+    pub(crate) fn bent<E>(
+        &self,
+        tuft: &Tuft,
+        bend: &mut impl Bend,
+        tick: impl FnMut() -> Result<(), E>,
+    ) -> Result<(Tuft, Vec<(usize, Left)>), E> {
+        let (mut points, became) = wished(tuft, self.policy.lengths, bend, tick)?;
+        let (mut left, mut any) = (vec![], false);
+        let (depth, patience) = (tuft.view(ALLOW_DEPTH), Patience::new(LOOKS));
+        let skin = self.skin.map(|skin| skin.within(&patience));
+        let route = Route { skin, ..*self };
+        for (i, became) in became.into_iter().enumerate() {
+            let range = tuft.range(i);
+            patience.add((LOOKS_A_POINT * range.len() as f32) as u64);
+            let (old, new) = (tuft.curve(i), &mut points[range.clone()]);
+            let settled = match became {
+                Wished::Stays => continue,
+                Wished::Far => Err(Left::Far),
+                Wished::Moved => route.settle_wished(old, new, |k| depth.at(i, range.start + k)),
+            };
+            match settled {
+                Ok(()) => any = true,
+                Err(why) => {
+                    new.copy_from_slice(old);
+                    left.push((i, why));
+                }
+            }
+        }
+        let out = if any { tuft.edit().with_points(points).build() } else { tuft.clone() };
+        Ok((out, left))
     }
 
     /// Sets what a hair has grown on beyond its old points where it may be.
@@ -155,7 +206,8 @@ impl<'a> Route<'a> {
         skin.clear(new, |k| (k >= old.len()).then(|| depth(k)));
         let home = self.scalp.and_then(|scalp| scalp.home(old[0]));
         let home = home.filter(|_| self.policy.own_section);
-        settle_drawn((&skin, home.as_ref()), old, new, |k| k >= old.len(), &depth)
+        let air = Air::new(&skin, new.len(), |_| 0.0);
+        settle_drawn((&skin, home.as_ref()), old, new, &air, |k| k >= old.len(), &depth)
     }
 
     /// A new point of a hair that lies as it lay: between two others it may dip deeper into the skin than `depth` (cm).
@@ -170,15 +222,20 @@ fn settle_drawn(
     (skin, home): (&Skin, Option<&Home>),
     old: &[Vec3],
     new: &mut [Vec3],
+    air: &Air,
     may: impl Fn(usize) -> bool,
     depth: impl Fn(usize) -> f32,
 ) -> Result<(), Left> {
     let moved = |k: usize| may(k) || may(k + 1);
-    let cleared = skin.clear_drawn(new, &may, &depth);
+    let is_off = |points: &[Vec3], k: usize| air.holds_span(points, k, 0.0);
+    let cleared = skin.clear_drawn_where(new, &may, &depth, is_off);
+    // What was known of its points is so no more.
+    let nothing = cleared.then(Air::unknown);
+    let air = nothing.as_ref().unwrap_or(air);
     if let Some(home) = home {
-        leads_over(home, old, new)?;
+        leads_over(home, old, new, air)?;
     }
-    is_out(skin, old, new, &depth)?;
+    is_out(skin, old, new, air, &depth)?;
     // What dipped before may still.
     let worst = |points: &[Vec3], asked: &dyn Fn(usize) -> bool| {
         let mut worst = 0.0f32;
@@ -248,13 +305,16 @@ fn is_out(
     skin: &Skin,
     old: &[Vec3],
     new: &[Vec3],
+    air: &Air,
     depth: impl Fn(usize) -> f32,
 ) -> Result<(), Left> {
     if !new.iter().all(|p| p.is_finite()) {
         return Err(Left::Far);
     }
     let is_in = |k: usize| {
-        !skin.stands_off(new[k], 0.0) && skin.distance(new[k]) < -depth(k).max(0.0) - ROUNDED
+        !air.holds(new, k, 0.0)
+            && !skin.stands_off(new[k], 0.0)
+            && skin.distance(new[k]) < -depth(k).max(0.0) - ROUNDED
     };
     match !skin.is_rough() && (1..new.len()).any(|k| old.get(k) != Some(&new[k]) && is_in(k)) {
         true => Err(Left::In),
@@ -263,8 +323,10 @@ fn is_out(
 }
 
 /// Fails where a hair leads over a parting before it did: so far as it kept off them it still does.
-fn leads_over(home: &Home, old: &[Vec3], new: &[Vec3]) -> Result<(), Left> {
-    if !home.passes(new) {
+fn leads_over(home: &Home, old: &[Vec3], new: &[Vec3], air: &Air) -> Result<(), Left> {
+    let near = air.near(new, home.over_lines());
+    // What comes after the last near point bends the curve before it.
+    if home.is_off_lines(&new[..new.len().min(near + 1)]) || !home.passes_before(new, near) {
         return Ok(());
     }
     let first = (1..old.len()).find(|k| home.passes_before(old, k + 1));
@@ -277,14 +339,31 @@ fn keep_home(
     skin: &Skin,
     old: &[Vec3],
     new: &mut [Vec3],
+    air: &mut Air,
     depth: impl Fn(usize) -> f32,
 ) {
-    let Some(root) = skin.closest(old[0]) else { return };
-    let at_home = (1..old.len()).take_while(|k| home.holds(old[*k])).count();
-    let points = new.iter_mut().enumerate().take(1 + at_home).skip(1);
-    // Straight to the side may be into the head.
-    let out = |k: usize, _, kept| skin.push_out(kept, depth(k)).0;
-    home.lead(points.filter(|(k, p)| old[*k] != **p), root.triangle, out);
+    let (mut near, mut held) = (None, 0);
+    for k in 1..new.len() {
+        if old[k] == new[k] || air.holds(new, k, home.free()) {
+            continue;
+        }
+        if near.is_none() {
+            near = skin.closest(old[0]).map(|root| root.triangle);
+        }
+        let Some(near) = &mut near else { return };
+        while held < k && home.holds(old[held + 1]) {
+            held += 1;
+        }
+        if held < k {
+            return;
+        }
+        // Straight to the side may be into the head.
+        let kept = home.keep(new[k], near, |kept| skin.push_out(kept, depth(k)).0);
+        if kept != new[k] {
+            new[k] = kept;
+            air.forget(k);
+        }
+    }
 }
 
 /// Gives every piece of a bent hair the length that it had, from the root on; each runs the way it was bent to.

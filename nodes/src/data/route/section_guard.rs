@@ -89,6 +89,28 @@ impl Home<'_> {
         }
     }
 
+    /// Hair higher than this off the skin passes over partings, cm.
+    pub(super) fn free(&self) -> f32 {
+        self.cm(FREE)
+    }
+
+    /// Hair higher than this off the skin leads over no parting, cm.
+    pub(super) fn over_lines(&self) -> f32 {
+        // Between two points of a line the skin may be lower.
+        self.sections.over_lines() + self.cm(0.05)
+    }
+
+    /// Whether a glance at the root tells that a hair, as it is drawn through these points, is too far from any parting to lead over it.
+    /// False means unknown.
+    pub(super) fn is_off_lines(&self, hair: &[Vec3]) -> bool {
+        let (Some(root), chart) = (hair.first(), self.scalp.chart()) else { return true };
+        let Some(cell) = cell_of(chart.flat(*root)) else { return false };
+        let clear = self.sections.clear(cell) - chart.spots()[cell].point.distance(*root);
+        let reach = clear - self.over_lines() - self.cm(NEAR);
+        // The drawn curve goes by no more than a third farther than its points, for which twice is plenty.
+        reach > 0.0 && hair.iter().all(|p| 4.0 * p.distance_squared(*root) < reach * reach)
+    }
+
     /// Whether the section lies under a point, however far.
     pub(crate) fn is_under(&self, p: Vec3) -> bool {
         self.sections.of_point(p) == Some(self.number)

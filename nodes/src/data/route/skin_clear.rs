@@ -55,6 +55,19 @@ impl Skin<'_> {
         self.clear_noting(points, depth, |_, _, _| {})
     }
 
+    /// [`Self::clear`] that does not ask about points that `are_off` the skin, as long as it leads them nowhere.
+    pub(super) fn clear_where(
+        &self,
+        points: &mut [Vec3],
+        depth: impl Fn(usize) -> Option<f32>,
+        are_off: impl Fn(&[Vec3], usize) -> bool,
+    ) -> bool {
+        match self.asks_alone() {
+            true => self.push_each(points, &depth, |_, _, _| {}),
+            false => self.clear_led(Torn::APART, points, &depth, are_off),
+        }
+    }
+
     /// [`Self::clear`] that notes what was found out about the air on a mesh where each point asks the skin alone: for which point, and
     /// the middle and the radius (cm) of a ball about it that holds no skin.
     pub(in crate::data) fn clear_noting(
@@ -65,7 +78,7 @@ impl Skin<'_> {
     ) -> bool {
         match self.asks_alone() {
             true => self.push_each(points, &depth, note),
-            false => self.clear_led(Torn::APART, points, &depth),
+            false => self.clear_led(Torn::APART, points, &depth, |_, _| false),
         }
     }
 
@@ -78,7 +91,7 @@ impl Skin<'_> {
     ) -> bool {
         match self.asks_alone() {
             true => self.push_each(points, &depth, |_, _, _| {}),
-            false => self.clear_led(far, points, &depth),
+            false => self.clear_led(far, points, &depth, |_, _| false),
         }
     }
 
@@ -87,10 +100,11 @@ impl Skin<'_> {
         far: Torn,
         points: &mut [Vec3],
         depth: &impl Fn(usize) -> Option<f32>,
+        are_off: impl Fn(&[Vec3], usize) -> bool,
     ) -> bool {
         // Where points were, for those that were moved.
         let mut was: Vec<(usize, Vec3)> = vec![];
-        self.push_all(points, depth, &mut was);
+        self.push_all(points, depth, &are_off, &mut was);
         if was.is_empty() || self.is_rough() || !self.looked(0) {
             return !was.is_empty();
         }
@@ -113,7 +127,7 @@ impl Skin<'_> {
             let Some(aside) = self.way_out((a + b) * 0.5, through, along) else { break };
             give_way(points, torn, aside);
             // What was known of its points is so no more.
-            self.push_all(points, &|k| depth(k).or(Some(0.0)), &mut was);
+            self.push_all(points, &|k| depth(k).or(Some(0.0)), &|_, _| false, &mut was);
         }
         if let Some((_, best, best_was)) = best {
             points.copy_from_slice(&best);
@@ -214,14 +228,15 @@ impl Skin<'_> {
         &self,
         points: &mut [Vec3],
         depth: &impl Fn(usize) -> Option<f32>,
+        are_off: &impl Fn(&[Vec3], usize) -> bool,
         was: &mut Vec<(usize, Vec3)>,
     ) {
-        for (k, p) in points.iter_mut().enumerate().skip(1) {
-            let Some(depth) = depth(k) else { continue };
-            let (out, moved) = self.push_out(*p, depth);
+        for k in 1..points.len() {
+            let Some(depth) = depth(k).filter(|_| !are_off(points, k)) else { continue };
+            let (out, moved) = self.push_out(points[k], depth);
             if moved {
-                was.push((k, *p));
-                *p = out;
+                was.push((k, points[k]));
+                points[k] = out;
             }
         }
     }

@@ -220,6 +220,10 @@ impl Sections {
     pub(crate) fn last_passed(&self, n: usize, hair: impl Fn(usize) -> Vec3) -> Option<usize> {
         self.seen().last_passed(n, hair, 0.0)
     }
+    /// How far off a parting is what crosses it at most, cm.
+    pub(crate) fn over_lines(&self) -> f32 {
+        self.seen().half_place()
+    }
     /// Whether a hair, as it is drawn through its points, crosses a parting, at most a quarter of a head unit off it.
     pub(crate) fn is_over_line(&self, hair: &[Vec3]) -> bool {
         self.is_over_line_before(hair, hair.len())
