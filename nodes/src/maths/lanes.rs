@@ -1,8 +1,7 @@
 //! Eight numbers at once: lane `i` of all that is calculated for a bundle of hairs belongs to hair `i`.
 //!
-//! Written once against what `fearless_simd` has on every machine, and compiled for two levels on x86-64 (one number at a time, which
-//! compilers take four at a time where they see how, and eight with AVX2) and for NEON's four: a program takes the widest that the
-//! machine is found to have. SSE 4.2 gained less than it took to compile.
+//! Written once against what `fearless_simd` has on every machine, and compiled for two levels on x86-64 (eight numbers at a time with
+//! AVX2, and what older processors have: [`in_lanes`]) and for NEON's four; a program takes the widest that the machine is found to have.
 //!
 //! Guarantees: the same bits at every level, for sums, products, quotients and square roots are rounded alike in any width. Nothing here
 //! is fused (`mul_add`), estimated (`recip`) or left to the machine (`min` and `max` of -0 and NaN, whole numbers that are too large).
@@ -56,13 +55,23 @@ pub(crate) trait InLanes {
 /// Runs it in the widest lanes of this machine.
 #[inline]
 pub(crate) fn in_lanes<T: InLanes>(what: T) -> T::Out {
-    // Whatever is compiled for a level is compiled once more: of x86's, the oldest and the widest.
+    // Each level compiles every kernel once more, single numbers at the cost of both others: what is shipped has them for processors
+    // without AVX2, builds for tests take four at a time there.
     #[cfg(target_arch = "x86_64")]
     return match level() {
         Level::Avx2(s) => s.vectorize(
             #[inline(always)]
             || what.run(s),
         ),
+        #[cfg(debug_assertions)]
+        other => {
+            let s = other.as_sse4_2().expect("a debug build needs a processor with SSE 4.2");
+            s.vectorize(
+                #[inline(always)]
+                || what.run(s),
+            )
+        }
+        #[cfg(not(debug_assertions))]
         _ => what.run(fearless_simd::Fallback::new()),
     };
     #[cfg(not(target_arch = "x86_64"))]
@@ -90,7 +99,9 @@ pub fn narrowest(narrow: bool) {
 
 /// The narrowest lanes of this machine.
 fn narrow() -> Level {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", debug_assertions))]
+    return Level::new().as_sse4_2().map_or_else(Level::new, Level::Sse4_2);
+    #[cfg(all(target_arch = "x86_64", not(debug_assertions)))]
     return Level::Fallback(fearless_simd::Fallback::new());
     #[cfg(not(target_arch = "x86_64"))]
     return Level::new();

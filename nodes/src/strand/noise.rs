@@ -125,16 +125,25 @@ impl At for Across<'_> {
     #[inline(always)]
     fn at<S: Simd>(&mut self, hairs: &Hairs<S>, k: usize) -> Vec3x8<S> {
         let (s, p, per) = (hairs.s, hairs.point(k), self.wavelength);
-        let Some(frame) = &self.frame else {
-            return self.waves.at(Vec3x8 { x: p.x / per, y: p.y / per, z: p.z / per });
+        let at = match &self.frame {
+            Some(frame) => {
+                let from = p - Vec3x8::splat(s, frame.origin);
+                Vec3x8 {
+                    x: from.dot(Vec3x8::splat(s, frame.right)),
+                    y: from.dot(Vec3x8::splat(s, frame.up)),
+                    z: from.dot(Vec3x8::splat(s, frame.forward)),
+                }
+            }
+            None => p,
         };
-        let (right, up) = (Vec3x8::splat(s, frame.right), Vec3x8::splat(s, frame.up));
-        let forward = Vec3x8::splat(s, frame.forward);
-        let from = p - Vec3x8::splat(s, frame.origin);
-        let at =
-            Vec3x8 { x: from.dot(right) / per, y: from.dot(up) / per, z: from.dot(forward) / per };
-        let wave = self.waves.at(at);
-        right * wave.x + up * wave.y + forward * wave.z
+        let wave = self.waves.at(Vec3x8 { x: at.x / per, y: at.y / per, z: at.z / per });
+        match &self.frame {
+            Some(frame) => {
+                let (right, up) = (Vec3x8::splat(s, frame.right), Vec3x8::splat(s, frame.up));
+                right * wave.x + up * wave.y + Vec3x8::splat(s, frame.forward) * wave.z
+            }
+            None => wave,
+        }
     }
 }
 
