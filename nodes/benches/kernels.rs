@@ -1,5 +1,5 @@
 //! The busiest kernels at 10,000 and 100,000 strands of 16 points, each beside a memset of as many bytes into freshly
-//! allocated memory: what is quoted is the ratio of the two in one run. At the end kernels in lanes are held to what lanes gain.
+//! allocated memory: what is quoted is the ratio of the two in one run. At the end, each node that runs in lanes is held to a limit.
 
 use coif_nodes::data::attributes::{DENSITY, Domain, FRIZZ, ID, RADIUS};
 use coif_nodes::data::curves::{Curves, TuftBuilder};
@@ -9,7 +9,7 @@ use coif_nodes::eval::{EvalCx, Host, Kept, Log, Quality};
 use coif_nodes::maths::closest::Surface;
 use coif_nodes::maths::distance_field::{Depth, DistanceField};
 use coif_nodes::maths::hash::{Dice, Key, KeyBuilder};
-use coif_nodes::maths::lanes::narrowest;
+use coif_nodes::maths::lanes::use_single_numbers;
 use coif_nodes::maths::low_discrepancy::r2;
 use coif_nodes::maths::transcendental::sin_cos_turns;
 use divan::{Bencher, black_box};
@@ -22,7 +22,7 @@ const POINTS: usize = 16;
 const CLUSTERS: usize = 150;
 
 fn main() {
-    // `cargo test --benches` only asks whether it starts; with words, only some benches are asked for: `lanes` for what they gain.
+    // `cargo test --benches` only asks whether it starts; words select benches, and `lanes` the limits of nodes in lanes.
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     if words != ["lanes"] {
         divan::main();
@@ -32,8 +32,8 @@ fn main() {
     }
 }
 
-/// Nodes whose kernels run in lanes, and how often a point could be copied in the time that they may take for one at most: a closure that
-/// is compiled without lanes in silence takes two to five times as long.
+/// Nodes whose kernels run in lanes, and the longest that they may take for a point, in copies of a point. A closure that silently loses
+/// its lanes takes two to five times as long.
 const IN_LANES: &[(&str, &[(&str, &str)], f64)] = &[
     ("noise", &[], 70.0),
     ("noise", &[("together", "hair")], 55.0),
@@ -43,7 +43,7 @@ const IN_LANES: &[(&str, &[(&str, &str)], f64)] = &[
     ("set_width", &[], 12.0),
 ];
 
-/// Times each node on one thread, one number at a time and in the widest lanes, in turn; ends with 1 where one takes too long.
+/// Times each node on one thread, with single numbers and in the widest lanes in turn. Exits with 1 if a node takes too long.
 fn lanes() {
     let (curves, mut slow) = (strands(20_000), vec![]);
     let least = |of: &mut dyn FnMut() -> usize| {
@@ -69,8 +69,8 @@ fn lanes() {
         }
         let mut ns = [f64::INFINITY; 2];
         for _ in 0..7 {
-            for (narrow, ns) in [true, false].into_iter().zip(&mut ns) {
-                narrowest(narrow);
+            for (single, ns) in [true, false].into_iter().zip(&mut ns) {
+                use_single_numbers(single);
                 *ns = ns.min(least(&mut || black_box(run(kind, &set, &Alone)).point_count()));
             }
         }
@@ -84,7 +84,7 @@ fn lanes() {
         }
     }
     if !slow.is_empty() {
-        println!("take longer than they may: {}", slow.join(", "));
+        println!("over the limit: {}", slow.join(", "));
         std::process::exit(1);
     }
 }

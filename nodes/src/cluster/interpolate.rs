@@ -320,11 +320,12 @@ impl Maker<'_> {
                 if let Some(skin) = &skin {
                     let hair = &mut points[first..];
                     for (k, p) in hair.iter().enumerate() {
-                        let air = |(middle, square): &(Vec3, f32)| {
+                        let clearance = |(middle, square): &(Vec3, f32)| {
                             let far = p.distance_squared(*middle);
                             (far < *square).then(|| square.sqrt() - far.sqrt())
                         };
-                        let off = air(&clear[k]).or_else(|| known[k].iter().find_map(air));
+                        let off =
+                            clearance(&clear[k]).or_else(|| known[k].iter().find_map(clearance));
                         asked[k] = off.is_none().then_some(depths[k]);
                         offs[k] = off.unwrap_or(0.0);
                     }

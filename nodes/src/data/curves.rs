@@ -24,7 +24,7 @@ pub const MOST_A_CURVE: usize = 255;
 #[derive(Clone, Debug)]
 pub struct Tuft {
     key: Key,
-    /// Of the points alone.
+    /// Hash of the points alone.
     points_key: Key,
     points: Arc<Vec<Vec3>>,
     /// Curve `i` owns `points[offsets[i]..offsets[i + 1]]`.
@@ -208,7 +208,7 @@ impl Tuft {
 #[derive(Clone, Debug, Default)]
 pub struct TuftBuilder {
     points: Arc<Vec<Vec3>>,
-    /// As long as they are those of a tuft whose key is known.
+    /// Their hash, while they are unchanged from a tuft.
     points_key: Option<Key>,
     offsets: Arc<Vec<u32>>,
     attributes: Vec<Attribute>,
@@ -249,7 +249,7 @@ impl TuftBuilder {
         self.points_key = None;
         Arc::make_mut(&mut self.points).as_mut_slice()
     }
-    /// The same with these points, as many: hair that exists is moved by `data/route` alone.
+    /// Replaces the points by as many others: hair that exists is moved by `data/route` alone.
     pub(super) fn with_points(mut self, points: Vec<Vec3>) -> Self {
         assert_eq!(points.len(), self.points.len(), "as many points");
         (self.points, self.points_key) = (Arc::new(points), None);
@@ -388,7 +388,7 @@ mod tests {
         let mut other = two();
         other.points_mut()[0].x = 1.0;
         assert_ne!(other.build().key(), two().build().key());
-        // Whatever way they came to be there.
+        // However the points were changed.
         let tuft = two().build();
         let mut moved = tuft.edit();
         moved.points_mut()[0].x = 1.0;

@@ -335,7 +335,7 @@ impl Sampler<'_> {
         }
         self.part.at(curve, point, u).max(self.range.0).min(self.range.1) * self.unit
     }
-    /// [`Self::at`] of eight curves.
+    /// [`Self::at`] for eight curves.
     #[inline(always)]
     pub(crate) fn at_each<S: Simd>(
         &self,
@@ -357,7 +357,7 @@ impl Sampler<'_> {
                 s.load_array_f32x8(values)
             }
         };
-        // NaN reads as the low end here, too.
+        // As in `at`, NaN reads as the low end.
         let value = pick(value.simd_gt(self.range.0), value, s.splat_f32x8(self.range.0));
         let value = pick(value.simd_lt(self.range.1), value, s.splat_f32x8(self.range.1));
         value * self.unit

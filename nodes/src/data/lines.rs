@@ -271,7 +271,7 @@ impl<'a> LinesView<'a> {
         self.lines.pieces.get(number as usize)
     }
 
-    /// How far off a segment is what passes it at most, cm.
+    /// Largest distance from a segment at which hair counts as crossing it, cm.
     pub(super) fn half_place(self) -> f32 {
         self.lines.places.half()
     }

@@ -80,7 +80,7 @@ impl Ramp {
             Blend::Smooth => y0 + (y1 - y0) * smoothstep(t),
         }
     }
-    /// The values at each `x`.
+    /// [`Self::at`] in lanes.
     #[inline(always)]
     pub(crate) fn at_each<S: Simd>(&self, x: f32x8<S>) -> f32x8<S> {
         let mut y = x.simd.splat_f32x8(self.stops[0].1);

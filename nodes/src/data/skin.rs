@@ -159,20 +159,22 @@ impl<'a> Skin<'a> {
         if self.asks_alone() {
             return self.field.far(self.surface, p) > height.max(0.0);
         }
-        self.is_told_apart() && self.field.is_clear(self.surface, p, height.max(0.0))
+        self.bounds_nearby() && self.field.is_clear(self.surface, p, height.max(0.0))
     }
 
-    /// How far outside `p` is at least (cm), as [`Self::stands_off`] tells it; no more is looked for than `enough`. 0 means unknown.
+    /// A lower bound of the distance of `p` outside the skin (cm), from what [`Self::stands_off`] reads; 0 if unknown. The search ends once it
+    /// exceeds `enough`.
     #[inline]
     pub(super) fn off_at_least(&self, p: Vec3, enough: f32) -> f32 {
-        match (self.asks_alone(), self.is_told_apart()) {
+        match (self.asks_alone(), self.bounds_nearby()) {
             (true, _) => self.field.far(self.surface, p),
             (false, true) => self.field.off_at_least(self.surface, p, enough),
             (false, false) => 0.0,
         }
     }
 
-    fn is_told_apart(&self) -> bool {
+    /// Whether distances of the field bound those nearby.
+    fn bounds_nearby(&self) -> bool {
         self.rough.is_some() || self.surface.parts_in_from_out()
     }
 

@@ -60,7 +60,7 @@ impl<'a> Piece<'a> {
             curves.push(curve);
         }
     }
-    /// The tuft with hairs where they may be of what `bend` wishes. Hair that may be nowhere near is left as it was, which is told.
+    /// The tuft with its hairs bent by `bend` as far as they may be. Hair that may not be moved is left as it was and reported.
     pub(crate) fn bend(
         &mut self,
         route: &Route,
@@ -71,7 +71,7 @@ impl<'a> Piece<'a> {
         left.into_iter().for_each(|(i, why)| self.trouble(tuft.id(i), why));
         Ok(bent)
     }
-    /// What `tell` says of each point of a tuft.
+    /// A number for each point of a tuft.
     pub(crate) fn tell(
         &mut self,
         tuft: &Tuft,

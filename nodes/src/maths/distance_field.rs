@@ -236,7 +236,7 @@ impl DistanceField {
         self.off_at_least(surface, p, height) > height
     }
 
-    /// How far outside `p` is at least (cm), as [`Self::is_clear`] tells it; no more is looked for than `enough`. 0 means unknown.
+    /// A lower bound of the distance of `p` outside the surface (cm); 0 if unknown. The search ends once it exceeds `enough`.
     #[inline]
     pub fn off_at_least(&self, surface: &Surface, p: Vec3, enough: f32) -> f32 {
         let (q, i, block) = match self.place(surface, p) {

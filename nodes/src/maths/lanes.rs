@@ -1,13 +1,13 @@
-//! Eight numbers at once: lane `i` of all that is calculated for a bundle of hairs belongs to hair `i`.
+//! Eight numbers at a time: lane `i` of every value belongs to hair `i` of a bundle.
 //!
-//! Written once against what `fearless_simd` has on every machine, and compiled for two levels on x86-64 (eight numbers at a time with
-//! AVX2, and what older processors have: [`in_lanes`]) and for NEON's four; a program takes the widest that the machine is found to have.
+//! Kernels are written once, against `fearless_simd`, and compiled for each instruction set: on x86-64 for single numbers, four (SSE 4.2)
+//! and eight (AVX2), elsewhere for what the machine has. The widest set that the machine supports is chosen at run time.
 //!
-//! Guarantees: the same bits at every level, for sums, products, quotients and square roots are rounded alike in any width. Nothing here
-//! is fused (`mul_add`), estimated (`recip`) or left to the machine (`min` and `max` of -0 and NaN, whole numbers that are too large).
+//! Guarantees: every width gives the same bits, because sums, products, quotients and square roots are rounded alike in each. Nothing is
+//! fused (`mul_add`), estimated (`recip`) or left to the machine (`min` and `max` of -0 and NaN, whole numbers out of range).
 //!
-//! Whatever is called in lanes is `#[inline(always)]`, closures too: what is not is compiled without them, with the same bits, several
-//! times as slow. `benches/kernels.rs` holds each kernel to a bound.
+//! Everything called in lanes must be `#[inline(always)]`, closures included. What is not inlined is compiled without the instruction set:
+//! the same bits, but several times slower, and no warning. `benches/kernels.rs` sets a limit for each kernel.
 
 use super::transcendental;
 use fearless_simd::Level;
@@ -17,7 +17,7 @@ use std::ops::{Add, Mul, Sub};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What is calculated with numbers in lanes.
+/// Operations on numbers in lanes.
 pub(crate) mod ops {
     pub(crate) use fearless_simd::prelude::*;
 }
@@ -26,56 +26,36 @@ use ops::*;
 /// Hairs in a bundle.
 pub(crate) const LANES: usize = 8;
 
-/// A number of each hair, in memory.
+/// One number for each hair, in memory.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(32))]
 pub(crate) struct Eight(pub(crate) [f32; LANES]);
 
 impl Eight {
-    /// To calculate with.
+    /// Loads the numbers into lanes.
     #[inline(always)]
     pub(crate) fn get<S: Simd>(&self, s: S) -> f32x8<S> {
         s.load_array_ref_f32x8(&self.0)
     }
-    /// From what was calculated.
+    /// Stores numbers from lanes.
     #[inline(always)]
     pub(crate) fn set<S: Simd>(&mut self, x: f32x8<S>) {
         x.simd.store_array_f32x8(x, &mut self.0);
     }
 }
 
-/// What runs in lanes.
+/// Work that runs in lanes.
 pub(crate) trait InLanes {
-    /// What comes out.
+    /// Its result.
     type Out;
-    /// Does it, with the means `s`.
+    /// Runs on the instruction set `s`.
     fn run<S: Simd>(self, s: S) -> Self::Out;
 }
 
-/// Runs it in the widest lanes of this machine.
+/// Runs `work` in the widest lanes of this machine.
 #[inline]
-pub(crate) fn in_lanes<T: InLanes>(what: T) -> T::Out {
-    // Each level compiles every kernel once more, single numbers at the cost of both others: what is shipped has them for processors
-    // without AVX2, builds for tests take four at a time there.
-    #[cfg(target_arch = "x86_64")]
-    return match level() {
-        Level::Avx2(s) => s.vectorize(
-            #[inline(always)]
-            || what.run(s),
-        ),
-        #[cfg(debug_assertions)]
-        other => {
-            let s = other.as_sse4_2().expect("a debug build needs a processor with SSE 4.2");
-            s.vectorize(
-                #[inline(always)]
-                || what.run(s),
-            )
-        }
-        #[cfg(not(debug_assertions))]
-        _ => what.run(fearless_simd::Fallback::new()),
-    };
-    #[cfg(not(target_arch = "x86_64"))]
-    return fearless_simd::dispatch!(level(), s => what.run(s));
+pub(crate) fn in_lanes<T: InLanes>(work: T) -> T::Out {
+    fearless_simd::dispatch!(level(), s => work.run(s))
 }
 
 fn level() -> Level {
@@ -84,24 +64,22 @@ fn level() -> Level {
     if let Some(forced) = FORCED.get() {
         return forced;
     }
-    match NARROW.load(Ordering::Relaxed) {
-        true => narrow(),
+    match SINGLE.load(Ordering::Relaxed) {
+        true => single(),
         false => *WIDEST.get_or_init(Level::new),
     }
 }
 
-static NARROW: AtomicBool = AtomicBool::new(false);
+static SINGLE: AtomicBool = AtomicBool::new(false);
 
-/// From now on all is calculated in the `narrow`est lanes, or in the widest: for who compares what they gain.
-pub fn narrowest(narrow: bool) {
-    NARROW.store(narrow, Ordering::Relaxed);
+/// Switches to single numbers, or back to the widest lanes, for benches that compare the two.
+pub fn use_single_numbers(single: bool) {
+    SINGLE.store(single, Ordering::Relaxed);
 }
 
-/// The narrowest lanes of this machine.
-fn narrow() -> Level {
-    #[cfg(all(target_arch = "x86_64", debug_assertions))]
-    return Level::new().as_sse4_2().map_or_else(Level::new, Level::Sse4_2);
-    #[cfg(all(target_arch = "x86_64", not(debug_assertions)))]
+/// One number at a time, or the narrowest lanes of a machine that always has some.
+fn single() -> Level {
+    #[cfg(target_arch = "x86_64")]
     return Level::Fallback(fearless_simd::Fallback::new());
     #[cfg(not(target_arch = "x86_64"))]
     return Level::new();
@@ -112,19 +90,22 @@ std::thread_local! {
     static FORCED: std::cell::Cell<Option<Level>> = const { std::cell::Cell::new(None) };
 }
 
-/// Runs `what` on this thread in lanes of each width that the machine has, and gives what came of each.
+/// Runs `work` on this thread once in each width that the machine has; returns all results.
 #[cfg(test)]
-pub(crate) fn in_each_width<T>(what: impl Fn() -> T) -> Vec<T> {
+pub(crate) fn in_each_width<T>(work: impl Fn() -> T) -> Vec<T> {
     let run = |level| {
         FORCED.set(Some(level));
-        let out = what();
+        let out = work();
         FORCED.set(None);
         out
     };
-    [narrow(), Level::new()].into_iter().map(run).collect()
+    let mut widths = vec![single(), Level::new()];
+    #[cfg(target_arch = "x86_64")]
+    widths.extend(Level::new().as_sse4_2().map(Level::Sse4_2));
+    widths.into_iter().map(run).collect()
 }
 
-/// `yes` in the lanes of `which`, `no` in the others.
+/// `yes` in the lanes where `which` is set, `no` in the others.
 #[inline(always)]
 pub(crate) fn pick<S: Simd>(which: mask32x8<S>, yes: f32x8<S>, no: f32x8<S>) -> f32x8<S> {
     which.simd.select_f32x8(which, yes, no)
@@ -138,14 +119,14 @@ pub(crate) fn clamp_to_one<S: Simd>(x: f32x8<S>) -> f32x8<S> {
     pick(x.simd_gt(1.0), s.splat_f32x8(1.0), x)
 }
 
-/// As [`super::smoothstep`].
+/// [`super::smoothstep`] in lanes.
 #[inline(always)]
 pub(crate) fn smoothstep<S: Simd>(x: f32x8<S>) -> f32x8<S> {
     let x = clamp_to_one(x);
     x * x * (3.0 - 2.0 * x)
 }
 
-/// As [`transcendental::sin_cos_turns`].
+/// [`transcendental::sin_cos_turns`] in lanes.
 #[inline(always)]
 pub(crate) fn sin_cos_turns<S: Simd>(turns: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
     let s = turns.simd;
@@ -163,17 +144,17 @@ pub(crate) fn sin_cos_turns<S: Simd>(turns: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
         |bit: i32| s.simd_eq_i32x8(s.and_i32x8(quarter, s.splat_i32x8(bit)), s.splat_i32x8(bit));
     let (odd, back) = (is(1), is(2));
     let (a, b) = (pick(odd, cos, sin), pick(odd, sin, cos));
-    // Of the quarters 0 to 3 the sine is turned in 2 and 3, the cosine in 1 and 2.
+    // The sine is negative in quarters 2 and 3, the cosine in 1 and 2.
     (pick(back, -a, a), pick(s.xor_mask32x8(odd, back), -b, b))
 }
 
-/// As [`transcendental::sin_cos`].
+/// [`transcendental::sin_cos`] in lanes.
 #[inline(always)]
 pub(crate) fn sin_cos<S: Simd>(radians: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
     sin_cos_turns(radians * (1.0 / std::f32::consts::TAU))
 }
 
-/// A vector of each hair.
+/// One vector for each hair.
 #[derive(Clone, Copy)]
 pub(crate) struct Vec3x8<S: Simd> {
     pub(crate) x: f32x8<S>,
@@ -182,7 +163,7 @@ pub(crate) struct Vec3x8<S: Simd> {
 }
 
 impl<S: Simd> Vec3x8<S> {
-    /// The same in all lanes.
+    /// The same vector in all lanes.
     #[inline(always)]
     pub(crate) fn splat(s: S, v: Vec3) -> Self {
         Self { x: s.splat_f32x8(v.x), y: s.splat_f32x8(v.y), z: s.splat_f32x8(v.z) }
@@ -199,7 +180,7 @@ impl<S: Simd> Vec3x8<S> {
         y.set(self.y);
         z.set(self.z);
     }
-    /// As it lies in memory: a list of each axis.
+    /// The vectors in memory, axis by axis.
     #[inline(always)]
     pub(crate) fn spilled(self) -> [Eight; 3] {
         let mut columns = [Eight::default(); 3];
@@ -222,14 +203,14 @@ impl<S: Simd> Vec3x8<S> {
     pub(crate) fn length(self) -> f32x8<S> {
         self.dot(self).sqrt()
     }
-    /// Of length 1, and where it has such.
+    /// The unit vectors, and the lanes that have one.
     #[inline(always)]
     pub(crate) fn unit(self) -> (Self, mask32x8<S>) {
         let per_length = 1.0 / self.length();
         let is = per_length.simd_gt(0.0) & per_length.simd_lt(f32::INFINITY);
         (self * per_length, is)
     }
-    /// The part of it across a unit vector.
+    /// The component perpendicular to a unit vector.
     #[inline(always)]
     pub(crate) fn reject_from(self, unit: Self) -> Self {
         self - unit * self.dot(unit)
@@ -242,23 +223,23 @@ impl<S: Simd> Vec3x8<S> {
             z: pick(which, yes.z, no.z),
         }
     }
-    /// Where it is the same.
+    /// The lanes where both are equal.
     #[inline(always)]
     pub(crate) fn is(self, o: Self) -> mask32x8<S> {
         self.x.simd_eq(o.x) & self.y.simd_eq(o.y) & self.z.simd_eq(o.z)
     }
-    /// Where all of it are numbers.
+    /// The lanes where all three coordinates are finite.
     #[inline(always)]
     pub(crate) fn is_finite(self) -> mask32x8<S> {
         let is = f32::INFINITY;
         self.x.abs().simd_lt(is) & self.y.abs().simd_lt(is) & self.z.abs().simd_lt(is)
     }
-    /// Straight from here to `o`, as glam has it.
+    /// Linear interpolation, in glam's order of operations.
     #[inline(always)]
     pub(crate) fn lerp(self, o: Self, t: f32x8<S>) -> Self {
         self * (1.0 - t) + o * t
     }
-    /// No longer than 1, as glam has it.
+    /// The vectors, shortened to length 1 where they are longer; in glam's order of operations.
     #[inline(always)]
     pub(crate) fn within_one(self) -> Self {
         let square = self.dot(self);
@@ -290,19 +271,19 @@ impl<S: Simd> Mul<f32x8<S>> for Vec3x8<S> {
     }
 }
 
-/// Something of each lane. (A closure that is given is inlined, which those of `array::map` are not always.)
+/// Maps each lane. (Unlike `array::map`, this is always inlined.)
 #[inline(always)]
-pub(crate) fn each<T, U>([a, b, c, d, e, f, g, h]: [T; LANES], is: impl Fn(T) -> U) -> [U; LANES] {
-    [is(a), is(b), is(c), is(d), is(e), is(f), is(g), is(h)]
+pub(crate) fn each<T, U>([a, b, c, d, e, f, g, h]: [T; LANES], map: impl Fn(T) -> U) -> [U; LANES] {
+    [map(a), map(b), map(c), map(d), map(e), map(f), map(g), map(h)]
 }
 
-/// One hair's vector of a list of each axis.
+/// The vector of one lane.
 #[inline(always)]
 pub(crate) fn lane(columns: &[Eight; 3], lane: usize) -> Vec3 {
     Vec3::new(columns[0].0[lane], columns[1].0[lane], columns[2].0[lane])
 }
 
-/// Four numbers of each hair, turned into four columns.
+/// Transposes four numbers of each hair into four columns.
 #[inline(always)]
 pub(crate) fn turned<S: Simd>(s: S, rows: [&[f32; 4]; LANES]) -> [f32x8<S>; 4] {
     let half = |from: usize| {
@@ -316,7 +297,7 @@ pub(crate) fn turned<S: Simd>(s: S, rows: [&[f32; 4]; LANES]) -> [f32x8<S>; 4] {
     [s.combine_f32x4(a, e), s.combine_f32x4(b, f), s.combine_f32x4(c, g), s.combine_f32x4(d, h)]
 }
 
-/// Rows of numbers, one a hair and all as long, turned into as many columns.
+/// Transposes rows of numbers, one row per hair, into columns. Rows must be at least as long as there are columns.
 #[inline(always)]
 pub(crate) fn turn<S: Simd>(s: S, rows: &[&[f32]; LANES], columns: &mut [Eight]) {
     let (fours, rest) = columns.as_chunks_mut::<4>();
@@ -330,7 +311,7 @@ pub(crate) fn turn<S: Simd>(s: S, rows: &[&[f32]; LANES], columns: &mut [Eight])
     }
 }
 
-/// Four columns turned back into four numbers of each hair.
+/// Transposes four columns back into four numbers of each hair.
 #[inline(always)]
 pub(crate) fn turned_back<S: Simd>(s: S, columns: &[Eight; 4]) -> [[f32; 4]; LANES] {
     let [a, b, c, d] = columns;
@@ -346,10 +327,11 @@ pub(crate) fn turned_back<S: Simd>(s: S, columns: &[Eight; 4]) -> [[f32; 4]; LAN
     [e, f, g, h, i, j, k, l]
 }
 
-/// Four numbers of a row.
+/// Four numbers of a row that holds them.
 #[inline(always)]
 pub(crate) fn four_at(row: &[f32], at: usize) -> &[f32; 4] {
-    row[at..].first_chunk().expect("four numbers")
+    let (fours, _) = row[at..at + 4].as_chunks();
+    &fours[0]
 }
 
 #[cfg(test)]
@@ -358,7 +340,7 @@ mod tests {
     use crate::maths::hash::Dice;
     use crate::maths::smoothstep as smoothstep_of_one;
 
-    /// What a function says of eight numbers, in lanes of each width.
+    /// Compares a function of eight numbers, in each width, with one of a single number.
     macro_rules! check {
         ($of:expr, $lanes:ident, $one:expr) => {{
             struct Run(Eight);
@@ -401,14 +383,14 @@ mod tests {
     }
 
     #[test]
-    fn lanes_say_what_single_numbers_say() {
+    fn lanes_give_what_single_numbers_give() {
         check!(numbers(), sin_cos_turns, |x| transcendental::sin_cos_turns(x).into());
         check!(numbers(), sin_cos, |x| transcendental::sin_cos(x).into());
         check!(numbers(), smooth, |x: f32| [smoothstep_of_one(x), x.clamp(0.0, 1.0)]);
     }
 
     #[test]
-    fn columns_turned_back_are_the_rows_that_they_were() {
+    fn rows_survive_being_transposed_and_back() {
         struct Turn<'a>(&'a [&'a [f32]; LANES]);
         impl InLanes for Turn<'_> {
             type Out = (Vec<Eight>, [[f32; 4]; LANES]);
@@ -416,7 +398,7 @@ mod tests {
             fn run<S: Simd>(self, s: S) -> Self::Out {
                 let mut columns = vec![Eight::default(); self.0[0].len()];
                 turn(s, self.0, &mut columns);
-                let back = turned_back(s, columns.first_chunk().unwrap());
+                let back = turned_back(s, &columns.as_chunks().0[0]);
                 (columns, back)
             }
         }

@@ -31,7 +31,7 @@ pub(crate) fn random_walk(dice: Dice, id: u64, start: Vec2, steps: &[f32], walk:
     }
 }
 
-/// The direction (turns) and the length of a step, each from 0 to 1: one draw for both, 24 bits of it each.
+/// Direction (turns) and length of a step, each in [0, 1): 24 bits each of one draw.
 #[inline(always)]
 fn drawn(dice: Dice, id: u64, knot: u64) -> (f32, f32) {
     let bits = dice.bits(id, knot);
@@ -49,8 +49,8 @@ pub(crate) fn smooth(x: f32) -> (usize, [f32; 3]) {
     (knot as usize, [a, 1.0 - a - c, c])
 }
 
-/// [`random_walk`] of eight hairs from the middle of the disc, of `spans` steps (cut to whole ones), none longer than `step`. Fills `walk`
-/// with the places at each knot of each, those after the last as it.
+/// [`random_walk`] for eight hairs, from the middle of the disc, with steps of at most `step`. Hair `i` has `spans[i]` steps, truncated; in
+/// `walk` its last position is repeated after them.
 #[inline(always)]
 pub(crate) fn random_walks<S: Simd>(
     s: S,
@@ -89,7 +89,7 @@ pub(crate) fn random_walks<S: Simd>(
     walk[most + 1] = walk[most];
 }
 
-/// As [`smooth`].
+/// [`smooth`] in lanes.
 #[inline(always)]
 pub(crate) fn smooth_each<S: Simd>(x: f32x8<S>) -> ([usize; LANES], [f32x8<S>; 3]) {
     let knot = (x + 0.5).floor();

@@ -51,7 +51,7 @@ pub struct Spline {
     lengths: Vec<f32>,
     /// Speed |d/dt| at each sub-interval's ends, as many.
     speeds: Vec<(f32, f32)>,
-    /// Of a Catmull-Rom spline, the knot distance of each span.
+    /// Scratch: the knot distance of each span.
     knots: Vec<f32>,
 }
 
@@ -98,7 +98,7 @@ impl Spline {
         self.tabulate(&IN_FOUR)
     }
 
-    /// The table of arc lengths, once there are spans; each sub-interval is taken in these parts.
+    /// Fills the table of arc lengths from the spans, integrating each sub-interval in these parts.
     fn tabulate(&mut self, parts: &'static [Stops]) -> Result<(), CurveFault> {
         let total = in_lanes(Tabulate { spline: self, parts });
         if total > 0.0 && total.is_finite() { Ok(()) } else { Err(CurveFault::NoLength) }
@@ -139,19 +139,19 @@ impl Spline {
         }
     }
 
-    /// [`Self::locate_rising`] for who works it out in lanes: the sub-interval, by its number.
+    /// The first half of [`Self::locate_rising`], for [`Self::points_in`]: the index of the sub-interval.
     #[inline(always)]
     pub(crate) fn part_rising(&self, cursor: &mut usize, s: f32) -> usize {
         self.advance(cursor, s.clamp(0.0, self.length()));
         cursor.saturating_sub(1).min(self.speeds.len() - 1)
     }
 
-    /// The place in a sub-interval where its span has the parameter `t`.
+    /// The place with parameter `t` on the span of a sub-interval.
     pub(crate) fn place_in(sub: usize, t: f32) -> SplineParam {
         SplineParam { span: sub / SUBS, t }
     }
 
-    /// A sub-interval: the arc lengths at its start and end, the speeds there, and the coefficients of its span.
+    /// Arc lengths and speeds at both ends of a sub-interval, and the coefficients of its span.
     #[inline(always)]
     pub(crate) fn part(&self, sub: usize) -> ([f32; 4], &[f32; 12]) {
         let (v0, v1) = self.speeds[sub];
@@ -175,8 +175,8 @@ impl Spline {
         SplineParam { span: sub / SUBS, t }
     }
 
-    /// The points at arc lengths `s` of eight splines, in these sub-intervals, and the parameters there: as [`Self::locate_rising`] and
-    /// [`Self::point`] tell them.
+    /// The points at arc lengths `s` of eight splines, and their parameters, given the sub-intervals: [`Self::locate_rising`] and
+    /// [`Self::point`] in lanes.
     #[inline(always)]
     pub(crate) fn points_in<S: Simd>(
         splines: &[&Spline; LANES],
@@ -325,7 +325,7 @@ fn derivative([_, c1, c2, c3]: &[Vec3; 4], t: f32) -> Vec3 {
     (*c3 * (3.0 * t) + *c2 * 2.0) * t + *c1
 }
 
-/// Fills the table of arc lengths and of speeds; gives the whole length.
+/// Fills the tables of arc lengths and speeds. Returns the total length.
 struct Tabulate<'a> {
     spline: &'a mut Spline,
     parts: &'a [Stops],
@@ -377,12 +377,12 @@ struct Stops {
     halves: [f32; SUBS],
 }
 
-/// Of sub-intervals that are taken whole, and of those taken in four parts.
+/// For sub-intervals integrated as a whole, and in four parts.
 const WHOLE: [Stops; 1] = [Stops::of(0, 1)];
 const IN_FOUR: [Stops; 4] = [Stops::of(0, 4), Stops::of(1, 4), Stops::of(2, 4), Stops::of(3, 4)];
 
 impl Stops {
-    /// Of one of so many parts of each sub-interval.
+    /// For part number `part` of each sub-interval, out of `parts`.
     const fn of(part: usize, parts: usize) -> Self {
         const X: f32 = 0.774_596_7;
         let (mut at, mut halves) = ([1.0; 3 * LANES], [0.0; SUBS]);

@@ -17,14 +17,14 @@ fn round(x: f32) -> f32 {
 const SHIFT: f32 = 12_582_912.0;
 const NEAR: f32 = 4_194_304.0;
 
-/// The nearest quarter turn to each of these, and where that is so: not for what is very large.
+/// The number of quarter turns nearest to each angle, and the lanes where it is right, which excludes very large angles.
 #[inline(always)]
 pub(super) fn quarters<S: Simd>(turns: f32x8<S>) -> (f32x8<S>, mask32x8<S>) {
     let x = turns * 4.0;
     ((x + SHIFT) - SHIFT, x.abs().simd_lt(NEAR))
 }
 
-/// Sine and cosine of what `turns` are more than the nearest quarter of one: of a number, or of one in each lane.
+/// Sine and cosine of the angle between `turns` and the nearest quarter turn, for single numbers and lanes alike.
 #[inline(always)]
 pub(super) fn sin_cos_within<T>(turns: T, quarters: T) -> (T, T)
 where

@@ -70,13 +70,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Widths that vary along hair.
+/// Widths that vary along the hair.
 struct Widths<'a, V> {
     root: f32,
     tip: f32,
     profile: &'a Ramp,
     scale: Sampler<'a>,
-    /// Factor of a hair, and of those that are told of.
+    /// Factor of the hair with this id, and the factors of the present bundle.
     of: V,
     own: Eight,
 }

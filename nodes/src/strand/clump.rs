@@ -127,15 +127,15 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Draws hairs to the centres of each level.
+/// Draws hairs to the centres of all levels.
 struct Clump<'a, B> {
     amount: Sampler<'a>,
     along: &'a Ramp,
-    /// Whether a hair is in any clump.
+    /// Whether the hair with this id is in any clump.
     is_in: B,
     twist: f32,
     levels: &'a [Middles],
-    /// How far each point is drawn.
+    /// How far each point of the bundle is drawn.
     strength: Vec<Eight>,
 }
 

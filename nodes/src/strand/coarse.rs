@@ -23,7 +23,7 @@ pub(super) fn remark_coarse(
     Ok(())
 }
 
-/// How far apart the points of a hair are in the mean, cm; 0 of what is no curve.
+/// Mean distance between the points of a hair, cm; 0 if it is not a curve.
 fn spacing(tuft: &Tuft, i: usize) -> f32 {
     let points = tuft.curve(i);
     let length: f32 = points.windows(2).map(|w| w[1].distance(w[0])).sum();

@@ -72,11 +72,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Displaces every CV as the walk of its hair does.
+/// Displaces every CV by the random walk of its hair.
 struct Frizz<'a, O> {
     amplitude: Sampler<'a>,
     along: &'a Ramp,
-    /// Factor of a hair.
+    /// Factor of the hair with this id.
     own: O,
     step: f32,
     kink: f32,
@@ -127,7 +127,7 @@ impl<O: Fn(u64) -> f32> Bend for Frizz<'_, O> {
     }
 }
 
-/// The place of each hair at a knot of its walk, so many after another.
+/// The position of each walk `next` knots after `knot`.
 #[inline(always)]
 fn knots<S: Simd>(s: S, walk: &[[Eight; 2]], knot: &[usize; LANES], next: usize) -> [f32x8<S>; 2] {
     let mut at = [Eight::default(); 2];

@@ -188,7 +188,7 @@ impl Middles {
         }
         let shift = Vec3x8::load(s, &shift);
         let lengths = s.load_array_f32x8(ways.map(Spline::length));
-        // Where hairs are as long as their centres.
+        // The point of each hair at the length of its centre, if it is longer.
         let mut ends = [Eight::default(); 3];
         for (i, way) in ways.iter().enumerate() {
             let length = way.length();

@@ -90,15 +90,16 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Displaces every CV across its hair by the amplitude times a vector of the waves.
+/// Displaces every CV perpendicular to its hair, by the amplitude times the waves there.
 struct Noise<'a, W> {
     amplitude: Sampler<'a>,
     along: &'a Ramp,
     waves: W,
 }
 
-/// Waves at point `k` of hairs.
+/// Waves of either kind.
 trait At {
+    /// The waves at point `k`.
     fn at<S: Simd>(&mut self, hairs: &Hairs<S>, k: usize) -> Vec3x8<S>;
 }
 
@@ -114,7 +115,7 @@ impl<W: At> Bend for Noise<'_, W> {
     }
 }
 
-/// Waves in space, in the axes of a head, so that they move with it.
+/// Waves in space. On a head they use its axes, so that they move with it.
 struct Across<'a> {
     waves: InSpace<'a>,
     frame: Option<HeadFrame>,

@@ -39,20 +39,20 @@ impl Seeds {
         let corner = Vec3::from(cell.map(|c| c as f32));
         Seed { key, at: (corner + within) * self.side }
     }
-    /// To be asked about places that lie near each other: each cell's seed is drawn once.
+    /// For queries close to each other: each seed is drawn once.
     pub(super) fn kept(&self) -> DrawnSeeds<'_> {
         DrawnSeeds { seeds: self, drawn: BTreeMap::new() }
     }
 }
 
-/// Seeds, as far as they have been asked for.
+/// Seeds that were drawn so far.
 pub(super) struct DrawnSeeds<'a> {
     seeds: &'a Seeds,
-    /// Of a cell, those of itself and of the cells around it, as far as they were asked for.
+    /// For each cell that was asked for: its seed and those of its neighbours, as far as they were needed.
     drawn: BTreeMap<[i64; 3], [Option<Seed>; 27]>,
 }
 
-/// Number of the middle one of 27 cells.
+/// Index of the cell itself among itself and its 26 neighbours.
 const MIDDLE: usize = 13;
 
 impl DrawnSeeds<'_> {

@@ -83,14 +83,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { curves })
 }
 
-/// Bends some hairs of a tuft aside.
+/// Bends stray hairs away from the others.
 struct Stray<'a, B, F, W> {
     distance: Sampler<'a>,
     along: &'a Ramp,
     wave_length: f32,
     wave: f32,
     waves: OnHairs<'a>,
-    /// Of a hair, whether it strays, how far, and which way if it has this tangent at its root.
+    /// Whether a hair strays, how far, and in which direction, given the tangent at its root.
     strays: B,
     far: F,
     way: W,

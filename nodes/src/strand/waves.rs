@@ -42,10 +42,10 @@ impl Waves {
             sum
         })
     }
-    /// What is drawn at the corners of a cell: bit `a` of a corner's number says whether it is the upper one along axis `a`.
+    /// Random vectors at the corners of a cell. Bit `a` of a corner's number says whether it is the upper one along axis `a`.
     fn corners(&self, octave: u64, cell: [i64; 3]) -> [Vec3; 8] {
         let side = |a: usize, high: usize| cell[a].saturating_add(high as i64) as u64;
-        // What corners share is drawn once.
+        // Draws that corners share.
         let of_x = [0, 1].map(|x| self.dice.bits(octave, side(0, x)));
         let of_y = [0, 1, 2, 3].map(|xy| self.dice.bits(of_x[xy & 1], side(1, xy >> 1)));
         std::array::from_fn(|corner| vector(self.dice.bits(of_y[corner & 3], side(2, corner >> 2))))
@@ -60,7 +60,7 @@ impl Waves {
             a.lerp(b, blend(q - low))
         })
     }
-    /// What is drawn on a hair at a whole number of half wavelengths.
+    /// Random vector of a hair at a whole number of half wavelengths.
     fn on_hair(&self, id: u64, octave: u64, at: f32) -> Vec3 {
         vector(self.dice.bits(id, (at as i64 as u64).wrapping_mul(64) + octave))
     }
@@ -74,7 +74,7 @@ impl Waves {
         }
         (sum / all.max(1e-6)).clamp_length_max(1.0)
     }
-    /// The same in lanes.
+    /// [`Self::octaves`] in lanes.
     #[inline(always)]
     fn octaves_of<S: Simd>(&self, s: S, mut value: impl FnMut(u64, f32) -> Vec3x8<S>) -> Vec3x8<S> {
         let mut sum = Vec3x8::splat(s, Vec3::ZERO);
@@ -90,47 +90,47 @@ impl Waves {
     }
 }
 
-/// As [`blend`].
+/// [`blend`] in lanes.
 #[inline(always)]
 fn blended<S: Simd>(t: f32x8<S>) -> f32x8<S> {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// Numbers that are whole, as such.
+/// Whole numbers as integers.
 #[inline(always)]
 fn whole<S: Simd>(x: f32x8<S>) -> [i32; LANES] {
     x.simd.as_array_i32x8(x.simd.cvt_i32_f32x8(x))
 }
 
-/// Waves in space about the hair of a tuft: cells that it lies in are drawn once, and kept.
+/// Waves in space, for the hair of one tuft. Each cell of the lattice is drawn once and kept: neighbouring points share most of them.
 pub(super) struct InSpace<'a> {
     waves: &'a Waves,
-    /// By a hash of its octave and place, where a cell is kept.
+    /// Index into `cells`, by a hash of octave and position.
     slots: Vec<u16>,
     cells: Vec<Cell>,
 }
 
-/// A cell and what is drawn at its corners.
+/// A cell with the random vectors at its corners.
 struct Cell {
     octave: u64,
     at: [i32; 3],
     corners: [f32; 24],
 }
 
-/// Slots for cells, as a power of two.
+/// log2 of the number of slots.
 const SLOTS: u32 = 10;
-/// Cells that are kept at most, and a few more.
+/// Cells are discarded once there are more than this.
 const MOST_CELLS: usize = 4096;
-/// A slot that holds none.
+/// A slot without a cell.
 const EMPTY: u16 = u16::MAX;
-/// Positions (wavelengths) that are nearer have whole numbers of cells.
+/// Positions closer to the origin than this (wavelengths) have cell numbers that fit 32 bits in every octave.
 const NEAR: f32 = 4e6;
 
 impl<'a> InSpace<'a> {
     pub(super) fn new(waves: &'a Waves) -> Self {
         Self { waves, slots: vec![EMPTY; 1 << SLOTS], cells: vec![] }
     }
-    /// As [`Waves::in_space`].
+    /// [`Waves::in_space`] in lanes.
     #[inline(always)]
     pub(super) fn at<S: Simd>(&mut self, p: Vec3x8<S>) -> Vec3x8<S> {
         let s = p.x.simd;
@@ -189,7 +189,7 @@ impl<'a> InSpace<'a> {
             },
         )
     }
-    /// Where a cell is kept.
+    /// Index of a cell in `cells`.
     #[inline(always)]
     fn cell(&mut self, octave: u64, at: [i32; 3]) -> usize {
         let mixed = |x: i32, by: u32| (x as u32).wrapping_mul(by);
@@ -209,7 +209,7 @@ impl<'a> InSpace<'a> {
         let drawn = self.waves.corners(octave, at.map(i64::from));
         corners.copy_from_slice(bytemuck::cast_slice(&drawn));
         let cell = Cell { octave, at, corners };
-        // One that is kept in the same slot may be in use for another lane: it stays, until all are dropped.
+        // The cell that had this slot stays: another lane may be using it.
         self.cells.push(cell);
         let at = self.cells.len() - 1;
         self.slots[slot] = at as u16;
@@ -217,14 +217,14 @@ impl<'a> InSpace<'a> {
     }
 }
 
-/// Waves along hairs, each its own: what was drawn last on each is kept.
+/// Waves along hairs. The last interval of each lane is kept, since the next point usually lies in it.
 pub(super) struct OnHairs<'a> {
     waves: &'a Waves,
-    /// By octave, then lane.
+    /// By octave and lane.
     last: Vec<[Drawn; LANES]>,
 }
 
-/// What is drawn at a whole number of half wavelengths and at the next.
+/// The random vectors at both ends of an interval of half a wavelength.
 #[derive(Clone, Copy)]
 struct Drawn {
     id: u64,
@@ -237,7 +237,7 @@ impl<'a> OnHairs<'a> {
         let none = Drawn { id: 0, low: f32::NAN, ends: [Vec3::ZERO; 2] };
         Self { waves, last: vec![[none; LANES]; waves.octaves as usize] }
     }
-    /// On the hairs with these ids, at distances from their roots in wavelengths.
+    /// The waves of the hairs with these ids, at these distances from their roots in wavelengths.
     #[inline(always)]
     pub(super) fn at<S: Simd>(&mut self, ids: &[u64; LANES], x: f32x8<S>) -> Vec3x8<S> {
         let (s, waves) = (x.simd, self.waves);
@@ -263,7 +263,7 @@ impl<'a> OnHairs<'a> {
 }
 
 impl Drawn {
-    /// Draws what is not known yet.
+    /// Advances to the interval that starts at `low`.
     #[inline(always)]
     fn go_on(&mut self, waves: &Waves, octave: u64, id: u64, low: f32) {
         let same = self.id == id;
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_are_as_each_alone_at_every_width() {
+    fn waves_have_the_same_bits_in_lanes_of_every_width() {
         struct At<'a>(&'a Waves, [Vec3; LANES], bool);
         impl InLanes for At<'_> {
             type Out = [Vec3; LANES];

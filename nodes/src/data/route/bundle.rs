@@ -1,13 +1,13 @@
-//! Eight hairs of a tuft side by side, as modifiers read them and wish their points: [`Bend`].
+//! Bundles: eight hairs of a tuft side by side, for nodes that move hair ([`Bend`]) or compute a number for each point ([`Tell`]).
 //!
-//! Tufts stay as they are, points one after the other. A bundle is turned into columns in cache, lane = hair, so that what runs along a
-//! hair (lengths, frames, waves) runs for eight at once, and is turned back. Hairs of one number of points share a bundle as far as there
-//! are eight of them; a shorter hair is padded with its tip, and what is wished there is dropped.
+//! A tuft stores points one after the other. A bundle holds them transposed, one hair per lane, so that whatever runs along a hair (lengths,
+//! frames, waves) runs for eight hairs at once; results are transposed back. Hairs with equal numbers of points share bundles as far as
+//! possible. Shorter hairs are padded with their tips, and results for padding are dropped.
 //!
-//! Guarantees: a hair's bits are the same whatever hairs it is bundled with, and at every width of lanes; a hair that nothing moves keeps
-//! its own. Lengths are those of the straight pieces from point to point, which is what *keep length* keeps. Not promised: anything for
-//! curves that are no curves (fewer than two points, all at one place, not finite), which pass through, though a bender may see their
-//! points and has to bear them.
+//! Guarantees: a hair's bits depend neither on the other hairs in its bundle nor on the width of lanes; a hair that is not moved keeps its
+//! bits. Lengths are those of the straight segments between points, which is what *keep length* keeps. Not promised: anything for curves
+//! that are not hair (fewer than two points, no length, not finite). They pass through unchanged, but a bender sees their points and must
+//! not panic on them.
 
 use super::Lengths;
 use crate::data::attributes::ID;
@@ -20,14 +20,14 @@ use crate::maths::lanes::{
 };
 use glam::Vec3;
 
-/// A node that moves hair: says where it wishes each point, and no more.
+/// A node that moves hair: it computes where each point should go; [`Route`](super::Route) decides where it may.
 pub(crate) trait Bend {
-    /// Wishes the points of eight hairs, which are there as they lie. Roots stay, whatever is wished of them. To be
-    /// `#[inline(always)]`, with all that it calls in lanes.
+    /// Sets the wished points of eight hairs in `wish`, which holds their present points. Wishes for roots are ignored. Implementations
+    /// must be `#[inline(always)]`, as must everything they call in lanes.
     fn bend<S: Simd>(&mut self, hairs: &Hairs<S>, wish: &mut Wish<S>);
 }
 
-/// Where the points of eight hairs are wished.
+/// The wished points of eight hairs.
 pub(crate) struct Wish<'a, S: Simd> {
     s: S,
     points: &'a mut [[Eight; 3]],
@@ -44,14 +44,14 @@ impl<S: Simd> Wish<'_, S> {
     }
 }
 
-/// Eight hairs as they lie: how far along itself each point is, which way it runs there, and what lies across.
+/// Eight hairs as they are, with distances, tangents and frames along them.
 pub(crate) struct Hairs<'a, S: Simd> {
-    /// The means to calculate with.
+    /// The instruction set.
     pub(crate) s: S,
-    /// Number of each hair in its tuft, and its id. Where fewer than eight are left, the last one again.
+    /// Index of each hair in its tuft, and its id. If fewer than eight hairs are left, the last one is repeated.
     pub(crate) numbers: &'a [usize; LANES],
     pub(crate) ids: &'a [u64; LANES],
-    /// Its first point in the tuft, and how many it has.
+    /// Index of each hair's first point in the tuft, and its number of points.
     firsts: &'a [usize; LANES],
     counts: &'a [usize; LANES],
     points: &'a [[Eight; 3]],
@@ -59,7 +59,7 @@ pub(crate) struct Hairs<'a, S: Simd> {
 }
 
 impl<S: Simd> Hairs<'_, S> {
-    /// Points of the longest.
+    /// Number of points of the longest hair.
     #[inline(always)]
     pub(crate) fn len(&self) -> usize {
         self.points.len()
@@ -68,17 +68,17 @@ impl<S: Simd> Hairs<'_, S> {
     pub(crate) fn point(&self, k: usize) -> Vec3x8<S> {
         Vec3x8::load(self.s, &self.points[k])
     }
-    /// A point of one hair; its tip past its end.
+    /// Point `k` of one hair; its tip if it has fewer points.
     #[inline(always)]
     pub(crate) fn of_lane(&self, k: usize, of: usize) -> Vec3 {
         lane(&self.points[k], of)
     }
-    /// From the root to point `k` along each hair, cm.
+    /// Distance along each hair from its root to point `k`, cm.
     #[inline(always)]
     pub(crate) fn come(&self, k: usize) -> f32x8<S> {
         self.come[k].get(self.s)
     }
-    /// The same of one hair.
+    /// That distance on one hair.
     #[inline(always)]
     pub(crate) fn come_of_lane(&self, k: usize, of: usize) -> f32 {
         self.come[k].0[of]
@@ -88,13 +88,13 @@ impl<S: Simd> Hairs<'_, S> {
     pub(crate) fn length(&self) -> f32x8<S> {
         self.come(self.len() - 1)
     }
-    /// How far along its hair point `k` is, 0 to 1.
+    /// That distance as a fraction of the hair's length.
     #[inline(always)]
     pub(crate) fn u(&self, k: usize) -> f32x8<S> {
         let u = self.come(k) / self.length();
         pick(u.simd_lt(1.0), u, self.s.splat_f32x8(1.0))
     }
-    /// Whose point `k` is there.
+    /// The lanes whose hair has a point `k`.
     #[inline(always)]
     pub(crate) fn has(&self, k: usize) -> mask32x8<S> {
         self.own_count().simd_gt(k as f32)
@@ -107,7 +107,7 @@ impl<S: Simd> Hairs<'_, S> {
         }
         counts.get(self.s)
     }
-    /// The place of one hair at `s` cm from its root; its tip beyond its end.
+    /// The position on one hair at `s` cm from its root; its tip beyond its end.
     pub(crate) fn at(&self, of: usize, s: f32) -> Vec3 {
         let after = self.come.partition_point(|come| come.0[of] <= s);
         let (Some(before), Some(end)) = (after.checked_sub(1), self.come.get(after)) else {
@@ -116,21 +116,21 @@ impl<S: Simd> Hairs<'_, S> {
         let t = (s - self.come[before].0[of]) / (end.0[of] - self.come[before].0[of]);
         self.of_lane(before, of).lerp(self.of_lane(after, of), t)
     }
-    /// A number of each hair, told from its id.
+    /// A number for each hair, computed from its id.
     #[inline(always)]
-    pub(crate) fn own(&self, tell: impl Fn(u64) -> f32) -> f32x8<S> {
+    pub(crate) fn own(&self, compute: impl Fn(u64) -> f32) -> f32x8<S> {
         let mut own = Eight::default();
         for (own, id) in own.0.iter_mut().zip(self.ids) {
-            *own = tell(*id);
+            *own = compute(*id);
         }
         own.get(self.s)
     }
-    /// What a field says at point `k`.
+    /// The value of a field at point `k`.
     #[inline(always)]
     pub(crate) fn field(&self, field: &Sampler, k: usize) -> f32x8<S> {
         self.field_at(field, k, self.u(k))
     }
-    /// What a field says at point `k`, taken to be so far along its hair.
+    /// The value of a field at point `k`, which counts as the fraction `u` of its hair.
     #[inline(always)]
     pub(crate) fn field_at(&self, field: &Sampler, k: usize, u: f32x8<S>) -> f32x8<S> {
         let mut points = *self.firsts;
@@ -139,19 +139,19 @@ impl<S: Simd> Hairs<'_, S> {
         }
         field.at_each(self.numbers, &points, u)
     }
-    /// Which way each runs at point `k`. Unit.
+    /// Unit tangents at point `k`.
     #[inline(always)]
     pub(crate) fn tangent(&self, k: usize) -> Vec3x8<S> {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(self.len() - 1));
         let (tangent, is) = (self.point(after) - self.point(before)).unit();
-        // Where points repeat, or it turns back on itself, the nearest way that it has.
+        // Where points repeat or a hair turns back on itself, the direction of the nearest segment that has one.
         rarely(tangent, is, |i| {
             let piece = |at: usize| self.of_lane(at + 1, i) - self.of_lane(at, i);
             let mut pieces = before..self.len() - 1;
             pieces.find_map(|at| piece(at).try_normalize()).unwrap_or(Vec3::Y)
         })
     }
-    /// Frames across them (tangent and normal), carried from the root without a turn of their own.
+    /// Frames (tangent and normal) at all points, rotation-minimising from the root on.
     #[inline(always)]
     pub(crate) fn frames(&self, frames: &mut Vec<[[Eight; 3]; 2]>) {
         frames.clear();
@@ -168,16 +168,15 @@ impl<S: Simd> Hairs<'_, S> {
     }
 }
 
-/// `v` in the lanes of `is`, and of each other hair what is told of it.
+/// `v` in the lanes where `is` is set; in the others, the result of `compute` for that lane. For branches that few hairs take.
 #[inline(always)]
-fn rarely<S: Simd>(v: Vec3x8<S>, is: mask32x8<S>, tell: impl Fn(usize) -> Vec3) -> Vec3x8<S> {
+fn rarely<S: Simd>(v: Vec3x8<S>, is: mask32x8<S>, compute: impl Fn(usize) -> Vec3) -> Vec3x8<S> {
     if v.x.simd.all_true_mask32x8(is) {
         return v;
     }
     let (mut out, is) = (v.spilled(), v.x.simd.as_array_mask32x8(is));
     for i in (0..LANES).filter(|i| is[*i] == 0) {
-        let told = tell(i);
-        [out[0].0[i], out[1].0[i], out[2].0[i]] = told.to_array();
+        [out[0].0[i], out[1].0[i], out[2].0[i]] = compute(i).to_array();
     }
     Vec3x8::load(v.x.simd, &out)
 }
@@ -187,7 +186,7 @@ fn spilled<S: Simd>(v: Vec3x8<S>, of: usize) -> Vec3 {
     lane(&v.spilled(), of)
 }
 
-/// As [`reflect_twice`].
+/// [`reflect_twice`] in lanes.
 #[inline(always)]
 fn reflected_twice<S: Simd>(
     normal: Vec3x8<S>,
@@ -210,25 +209,26 @@ fn reflected_twice<S: Simd>(
     })
 }
 
-/// What became of the wish for a hair.
+/// The state of a hair after bending.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Wished {
-    /// To stay as it lies.
+    /// No point was moved.
     #[default]
     Stays,
-    /// To be moved.
+    /// Some points were moved.
     Moved,
-    /// Where no number tells.
+    /// A wished point is not finite.
     Far,
 }
 
-/// A node that tells a number of each point of hair.
+/// A node that computes a number for each point.
 pub(crate) trait Tell {
-    /// That of point `k` of eight hairs, which is `u` (0 to 1) along its hair; 0 on what has no length. As [`Bend::bend`] in all else.
+    /// The number for point `k` of eight hairs, at the fraction `u` of their lengths (0 on a hair without length). See [`Bend::bend`] for
+    /// inlining.
     fn tell<S: Simd>(&mut self, hairs: &Hairs<S>, k: usize, u: f32x8<S>) -> f32x8<S>;
 }
 
-/// What is told of each point of a tuft. Calls `tick` for each hair.
+/// The numbers for all points of a tuft. Calls `tick` once per hair.
 pub(crate) fn told<E>(
     tuft: &Tuft,
     tell: &mut impl Tell,
@@ -245,7 +245,7 @@ pub(crate) fn told<E>(
     Ok(out)
 }
 
-/// The hairs of `least` points or more, those of one number of points beside each other.
+/// Indices of the hairs with at least `least` points, sorted by number of points.
 fn alike(tuft: &Tuft, least: usize) -> Vec<usize> {
     let count = |i: usize| tuft.range(i).len();
     let mut order: Vec<usize> = (0..tuft.len()).filter(|i| count(*i) >= least).collect();
@@ -253,7 +253,8 @@ fn alike(tuft: &Tuft, least: usize) -> Vec<usize> {
     order
 }
 
-/// Wishes all hairs of a tuft: their points, lengths kept as `lengths` says, and what became of each. Calls `tick` for each hair.
+/// The wished points of a tuft, with segment lengths restored if `lengths` is [`Lengths::Kept`], and the state of each hair. Points of hairs
+/// that are not to be moved are the old ones. Calls `tick` once per hair.
 pub(super) fn wished<E>(
     tuft: &Tuft,
     lengths: Lengths,
@@ -281,7 +282,7 @@ pub(super) fn wished<E>(
     Ok((out, became))
 }
 
-/// Eight hairs and what is calculated of them. Reusable.
+/// The buffers of one bundle. Reusable.
 #[derive(Default)]
 struct Bundle {
     numbers: [usize; LANES],
@@ -295,7 +296,7 @@ struct Bundle {
 }
 
 impl Bundle {
-    /// Chooses these hairs, one to eight.
+    /// Selects one to eight hairs.
     fn pick(&mut self, tuft: &Tuft, numbers: &[usize]) {
         self.numbers = std::array::from_fn(|lane| numbers[lane.min(numbers.len() - 1)]);
         let ids = tuft.view(ID);
@@ -303,13 +304,13 @@ impl Bundle {
         self.ids = std::array::from_fn(|lane| ids.at(self.numbers[lane], self.firsts[lane]));
         self.counts = self.numbers.map(|i| tuft.range(i).len());
     }
-    /// The fewest and the most points of one of them.
+    /// The smallest and the largest number of points.
     fn span(&self) -> (usize, usize) {
         self.counts.iter().fold((usize::MAX, 0), |(few, most), n| (few.min(*n), most.max(*n)))
     }
 }
 
-/// Turns the points of the chosen hairs into columns and measures them.
+/// Transposes the points of the selected hairs and measures distances along them.
 struct Read<'a> {
     bundle: &'a mut Bundle,
     points: &'a [Vec3],
@@ -319,8 +320,8 @@ impl InLanes for Read<'_> {
     type Out = ();
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
+        let (few, n) = self.bundle.span();
         let Bundle { firsts, counts, points, come, .. } = self.bundle;
-        let (few, n) = counts.iter().fold((usize::MAX, 0), |(a, b), n| (a.min(*n), b.max(*n)));
         points.resize(n, [Eight::default(); 3]);
         come.resize(n, Eight::default());
         let all: &[f32] = bytemuck::cast_slice(self.points);
@@ -382,7 +383,7 @@ impl<T: Tell> InLanes for TellOne<'_, T> {
             }
             let rows = turned_back(s, &four);
             for ((first, count), row) in firsts.iter().zip(counts).zip(rows) {
-                // Of shorter hairs, what is there.
+                // Shorter hairs end earlier.
                 for (at, x) in (k..*count).zip(row) {
                     self.out[first + at] = x;
                 }
@@ -392,7 +393,7 @@ impl<T: Tell> InLanes for TellOne<'_, T> {
     }
 }
 
-/// Tells what became of the wish, keeps lengths, and writes the points back.
+/// Restores lengths, determines the state of each hair, and transposes the wished points back.
 struct Lay<'a> {
     bundle: &'a mut Bundle,
     kept: bool,
@@ -426,7 +427,7 @@ impl InLanes for Lay<'_> {
                 let straight = Vec3x8::pick(has, straight, Vec3x8::splat(s, Vec3::ZERO));
                 let (way, is) = (wanted - before).unit();
                 let again = laid + Vec3x8::pick(is, way, straight) * was.length();
-                // What lies where it lay has its length, to the last bit.
+                // A segment that was not moved keeps its bits.
                 p = Vec3x8::pick(differs | moved_before, again, wanted);
                 moved_before = !p.is(there);
                 p.store(&mut wish[k]);
@@ -472,7 +473,7 @@ mod tests {
     use crate::maths::lanes::in_each_width;
     use std::convert::Infallible;
 
-    /// Moves points by all that hairs tell.
+    /// Moves points by everything that `Hairs` offers.
     struct ByAll<'a> {
         fields: [Sampler<'a>; 4],
         ramp: &'a Ramp,
@@ -497,7 +498,7 @@ mod tests {
         }
     }
 
-    /// The same, a hair at a time: what it wishes, and keeps of its lengths.
+    /// The same for a single hair, lengths included.
     fn one(bend: &ByAll, points: &[Vec3], i: usize, first: usize, kept: bool) -> Vec<Vec3> {
         let mut come = vec![0.0f32];
         points.windows(2).for_each(|w| come.push(come[come.len() - 1] + w[1].distance(w[0])));
@@ -565,7 +566,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_hairs_come_out_as_each_alone_at_every_width_and_in_whatever_company() {
+    fn a_hair_has_the_same_bits_alone_in_any_bundle_and_at_every_width() {
         let all = tuft();
         let stops = vec![(0.0, 0.2), (0.3, 0.2), (0.3, -1.0), (0.8, 0.5)];
         let ramps = [Blend::Step, Blend::Linear, Blend::Smooth]
@@ -604,7 +605,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_of_points_is_told_of_each_hair_as_far_as_it_goes() {
+    fn numbers_are_computed_for_every_point_of_every_hair() {
         struct Along<'a>(Sampler<'a>);
         impl Tell for Along<'_> {
             #[inline(always)]

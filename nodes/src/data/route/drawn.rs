@@ -86,7 +86,7 @@ impl Skin<'_> {
         if self.is_rough() || points.len() < 2 {
             return;
         }
-        // What the end of one span says is the start of the next.
+        // The sample at the end of a span is that at the start of the next.
         let (mut near, mut start) = (None, None);
         for k in 0..points.len() - 1 {
             if !asked(k) {
@@ -130,7 +130,7 @@ impl Skin<'_> {
         self.deepest_from(span, allowed, near, &mut None)
     }
 
-    /// [`Self::deepest`] where the sample at the span's `start` may be known; it becomes that of the next span.
+    /// [`Self::deepest`], given the sample at the span's `start` if it is known. On return, `start` is that of the next span.
     fn deepest_from(
         &self,
         span: &DrawnSpan,
@@ -147,7 +147,7 @@ impl Skin<'_> {
         let mut worst = first.unwrap_or_else(|| sample(0.0));
         let last = sample(1.0);
         *start = Some(SkinSample { t: 0.0, ..last });
-        // Most lie along the skin, farther off than they are long.
+        // Most spans near the skin are farther from it than they are long.
         reaches(&worst, &last, span.leaves_chord(1.0))?;
         let count = (2.0 * radius / STEP).ceil().clamp(2.0, MOST);
         let mut before = worst;
@@ -220,13 +220,13 @@ impl Skin<'_> {
         self.clear_drawn_where(points, may, depth, |_, _| false)
     }
 
-    /// [`Self::clear_drawn`] that does not ask about spans that `are_off` the skin as the points lie at first.
+    /// [`Self::clear_drawn`] that skips spans for which `is_clear` holds while no point has moved.
     pub(super) fn clear_drawn_where(
         &self,
         points: &mut [Vec3],
         may: impl Fn(usize) -> bool,
         depth: impl Fn(usize) -> f32,
-        are_off: impl Fn(&[Vec3], usize) -> bool,
+        is_clear: impl Fn(&[Vec3], usize) -> bool,
     ) -> bool {
         if self.is_rough() {
             return false;
@@ -241,7 +241,7 @@ impl Skin<'_> {
             };
             self.dips(
                 points,
-                |k| (may(k) || may(k + 1)) && is_new(k) && !(round == 1 && are_off(points, k)),
+                |k| (may(k) || may(k + 1)) && is_new(k) && !(round == 1 && is_clear(points, k)),
                 &depth,
                 |dip| dips.push(dip),
             );
@@ -303,7 +303,7 @@ impl Skin<'_> {
 }
 
 /// How much deeper than allowed (cm) the curve, which leaves the straight line between two samples by no more than `aside` (cm), may lie
-/// between them: the skin rises by no more than a ridge does whose two sides they lie on. None where it is nowhere near the skin.
+/// between them: the skin rises by no more than a ridge does whose two sides they lie on. `None` where it cannot meet the skin.
 fn reaches(a: &SkinSample, b: &SkinSample, aside: f32) -> Option<f32> {
     let apart = a.at.distance(b.at);
     // What is farther off than the curve is long there is not met.

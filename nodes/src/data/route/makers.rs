@@ -8,7 +8,7 @@
 //!
 //! [`Home::lead`]: super::section_guard::Home::lead
 
-use super::air::Air;
+use super::clearance::Clearance;
 use super::drawn::Dip;
 use super::skin_clear::Torn;
 use crate::data::skin::Skin;
@@ -35,8 +35,8 @@ pub(crate) fn lift_each(
     height: impl Fn(usize) -> f32,
 ) {
     let moved = lift_points(skin, hair, which.clone(), &height);
-    let air = Air::unknown();
-    settle_evenly(skin, hair, which, height, (moved, air), &mut Spline::default());
+    let clearance = Clearance::unknown();
+    settle_evenly(skin, hair, which, height, (moved, clearance), &mut Spline::default());
 }
 
 /// [`lift_each`] that leaves the spacing as it comes.
@@ -67,14 +67,14 @@ fn lift_points(
 }
 
 /// Spaces the points of a hair in `which` evenly if lifting them `moved` any, and sets out of the skin what is drawn between them, spacing
-/// them again where that spoils it. Of the `air` about a hair that was not moved it is known what may be skipped. Tells whether any was
-/// moved.
+/// them again where that spoils it. Spans that are clear by `clearance` are skipped if no point was
+/// moved. Tells whether any was moved.
 fn settle_evenly(
     skin: &Skin,
     hair: &mut [Vec3],
     which: Range<usize>,
     height: impl Fn(usize) -> f32,
-    (moved, air): (bool, Air),
+    (moved, clearance): (bool, Clearance),
     spline: &mut Spline,
 ) -> bool {
     let [points, drawn] = [false, true];
@@ -82,7 +82,7 @@ fn settle_evenly(
     if moved {
         space_evenly(skin, hair, which.clone(), &height, points, spline);
     }
-    let is_off = |points: &[Vec3], k: usize| !moved && air.holds_span(points, k, 0.0);
+    let is_off = |points: &[Vec3], k: usize| !moved && clearance.of_span(points, k, 0.0);
     let led = skin.clear_drawn_where(hair, |k| which.contains(&k), |k| -height(k), is_off);
     if led {
         space_evenly(skin, hair, which, height, drawn, spline);
@@ -163,8 +163,8 @@ pub(crate) fn clear(
     clear_noting(skin, points, depth, |_| 0.0, |_, _, _| {})
 }
 
-/// [`clear`] of points of which it is known how far off the skin (cm) they are at least, and that notes what was found out about the air on
-/// a mesh where each point asks the skin alone: for which point, and the middle and the radius (cm) of a ball about it that holds no skin.
+/// [`clear`] for points whose distances from the skin are known to be at least `off` (cm; 0 if unknown). On a mesh where each point asks the
+/// skin alone, `note` receives each ball without skin that is found: the point's index, the centre and the radius (cm).
 pub(crate) fn clear_noting(
     skin: &Skin,
     points: &mut [Vec3],
@@ -174,8 +174,9 @@ pub(crate) fn clear_noting(
 ) -> bool {
     let moved = skin.clear_noting(points, &depth, note);
     let height = |k: usize| -depth(k).unwrap_or(0.0);
-    let air = if moved { Air::unknown() } else { Air::new(skin, points.len(), off) };
-    settle_evenly(skin, points, 1..points.len(), height, (moved, air), &mut Spline::default())
+    let clearance =
+        if moved { Clearance::unknown() } else { Clearance::new(skin, points.len(), off) };
+    settle_evenly(skin, points, 1..points.len(), height, (moved, clearance), &mut Spline::default())
 }
 
 /// [`clear`] that leads round whatever tears the hair so far.

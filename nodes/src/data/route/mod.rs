@@ -18,14 +18,14 @@ use super::curves::{AttributeView, Tuft, TuftBuilder};
 use super::patience::Patience;
 use super::scalp::Scalp;
 use super::skin::Skin;
-use air::Air;
 use bundle::{Bend, Wished, wished};
+use clearance::Clearance;
 use drawn::DIP;
 use glam::Vec3;
 use section_guard::Home;
 
-mod air;
 pub(crate) mod bundle;
+mod clearance;
 pub(crate) mod drawn;
 pub(crate) mod makers;
 mod push;
@@ -36,6 +36,11 @@ pub(crate) mod skin_clear;
 /// So many looks the hair of one tuft may take to find its way out of the skin, and so many more with each of its points.
 const LOOKS: u64 = 1000;
 const LOOKS_A_POINT: f32 = 0.25;
+
+/// Looks that a hair of so many points adds.
+fn looks(points: usize) -> u64 {
+    (LOOKS_A_POINT * points as f32) as u64
+}
 
 /// So deep (cm) a point may lie for what is rounded.
 const ROUNDED: f32 = 1e-3;
@@ -125,7 +130,7 @@ impl<'a> Route<'a> {
         self.settle_wished(old, new, depth)
     }
 
-    /// [`Self::settle`] of a wish that is finite, and of which lengths are kept that are to run the way they were bent to.
+    /// [`Self::settle`] for finite points whose segments already have their lengths, if the policy is [`Lengths::Kept`].
     fn settle_wished(
         &self,
         old: &[Vec3],
@@ -138,28 +143,29 @@ impl<'a> Route<'a> {
         let (Some(skin), Some(scalp)) = (self.skin, self.scalp) else { return Ok(()) };
         // What was not moved lies as it lay.
         let stays: Vec<bool> = old.iter().zip(&*new).map(|(old, new)| old == new).collect();
-        let mut air = Air::new(&skin, new.len(), |_| 0.0);
+        let mut clearance = Clearance::new(&skin, new.len(), |_| 0.0);
         match self.policy.lengths {
             Lengths::KeptTowards => {}
             lengths => {
-                let is_off = |points: &[Vec3], k: usize| air.holds(points, k, -depth(k));
+                let is_off = |points: &[Vec3], k: usize| clearance.of_point(points, k, -depth(k));
                 let cleared = skin.clear_where(new, |k| (!stays[k]).then(|| depth(k)), is_off);
                 if cleared && lengths == Lengths::Kept {
                     keep_lengths_outside(old, new, &skin, &depth);
                 }
                 if cleared {
-                    air = Air::new(&skin, new.len(), |_| 0.0);
+                    clearance = Clearance::new(&skin, new.len(), |_| 0.0);
                 }
             }
         }
         let home = scalp.home(old[0]).filter(|_| self.policy.own_section);
         if let Some(home) = &home {
-            keep_home(home, &skin, old, new, &mut air, &depth);
+            keep_home(home, &skin, old, new, &mut clearance, &depth);
         }
-        settle_drawn((&skin, home.as_ref()), old, new, &air, |k| k > 0 && !stays[k], &depth)
+        settle_drawn((&skin, home.as_ref()), old, new, &clearance, |k| k > 0 && !stays[k], &depth)
     }
 
-    /// The tuft with hairs where they may be of what `bend` wishes, and which were left as they were. `tick` is called for each hair.
+    /// The tuft with its hairs bent by `bend` as far as they may be, and the hairs that were left as they were, with the reason. Calls
+    /// `tick` once per hair.
     pub(crate) fn bent<E>(
         &self,
         tuft: &Tuft,
@@ -173,7 +179,7 @@ impl<'a> Route<'a> {
         let route = Route { skin, ..*self };
         for (i, became) in became.into_iter().enumerate() {
             let range = tuft.range(i);
-            patience.add((LOOKS_A_POINT * range.len() as f32) as u64);
+            patience.add(looks(range.len()));
             let (old, new) = (tuft.curve(i), &mut points[range.clone()]);
             let settled = match became {
                 Wished::Stays => continue,
@@ -206,8 +212,8 @@ impl<'a> Route<'a> {
         skin.clear(new, |k| (k >= old.len()).then(|| depth(k)));
         let home = self.scalp.and_then(|scalp| scalp.home(old[0]));
         let home = home.filter(|_| self.policy.own_section);
-        let air = Air::new(&skin, new.len(), |_| 0.0);
-        settle_drawn((&skin, home.as_ref()), old, new, &air, |k| k >= old.len(), &depth)
+        let clearance = Clearance::new(&skin, new.len(), |_| 0.0);
+        settle_drawn((&skin, home.as_ref()), old, new, &clearance, |k| k >= old.len(), &depth)
     }
 
     /// A new point of a hair that lies as it lay: between two others it may dip deeper into the skin than `depth` (cm).
@@ -222,20 +228,20 @@ fn settle_drawn(
     (skin, home): (&Skin, Option<&Home>),
     old: &[Vec3],
     new: &mut [Vec3],
-    air: &Air,
+    clearance: &Clearance,
     may: impl Fn(usize) -> bool,
     depth: impl Fn(usize) -> f32,
 ) -> Result<(), Left> {
     let moved = |k: usize| may(k) || may(k + 1);
-    let is_off = |points: &[Vec3], k: usize| air.holds_span(points, k, 0.0);
+    let is_off = |points: &[Vec3], k: usize| clearance.of_span(points, k, 0.0);
     let cleared = skin.clear_drawn_where(new, &may, &depth, is_off);
-    // What was known of its points is so no more.
-    let nothing = cleared.then(Air::unknown);
-    let air = nothing.as_ref().unwrap_or(air);
+    // Bounds no longer hold for points that were moved.
+    let unknown = cleared.then(Clearance::unknown);
+    let clearance = unknown.as_ref().unwrap_or(clearance);
     if let Some(home) = home {
-        leads_over(home, old, new, air)?;
+        leads_over(home, old, new, clearance)?;
     }
-    is_out(skin, old, new, air, &depth)?;
+    is_out(skin, old, new, clearance, &depth)?;
     // What dipped before may still.
     let worst = |points: &[Vec3], asked: &dyn Fn(usize) -> bool| {
         let mut worst = 0.0f32;
@@ -267,7 +273,7 @@ impl Moved<'_> {
     /// their order.
     pub(crate) fn hair(&mut self, i: usize, wish: &mut [Vec3]) -> Result<(), Left> {
         for k in self.asked..=i {
-            self.patience.add((LOOKS_A_POINT * self.tuft.curve(k).len() as f32) as u64);
+            self.patience.add(looks(self.tuft.curve(k).len()));
         }
         self.asked = i + 1;
         let (old, range) = (self.tuft.curve(i), self.tuft.range(i));
@@ -305,14 +311,14 @@ fn is_out(
     skin: &Skin,
     old: &[Vec3],
     new: &[Vec3],
-    air: &Air,
+    clearance: &Clearance,
     depth: impl Fn(usize) -> f32,
 ) -> Result<(), Left> {
     if !new.iter().all(|p| p.is_finite()) {
         return Err(Left::Far);
     }
     let is_in = |k: usize| {
-        !air.holds(new, k, 0.0)
+        !clearance.of_point(new, k, 0.0)
             && !skin.stands_off(new[k], 0.0)
             && skin.distance(new[k]) < -depth(k).max(0.0) - ROUNDED
     };
@@ -323,9 +329,9 @@ fn is_out(
 }
 
 /// Fails where a hair leads over a parting before it did: so far as it kept off them it still does.
-fn leads_over(home: &Home, old: &[Vec3], new: &[Vec3], air: &Air) -> Result<(), Left> {
-    let near = air.near(new, home.over_lines());
-    // What comes after the last near point bends the curve before it.
+fn leads_over(home: &Home, old: &[Vec3], new: &[Vec3], clearance: &Clearance) -> Result<(), Left> {
+    let near = clearance.near(new, home.over_lines());
+    // The point after the last near one shapes the curve before it.
     if home.is_off_lines(&new[..new.len().min(near + 1)]) || !home.passes_before(new, near) {
         return Ok(());
     }
@@ -339,12 +345,12 @@ fn keep_home(
     skin: &Skin,
     old: &[Vec3],
     new: &mut [Vec3],
-    air: &mut Air,
+    clearance: &mut Clearance,
     depth: impl Fn(usize) -> f32,
 ) {
     let (mut near, mut held) = (None, 0);
     for k in 1..new.len() {
-        if old[k] == new[k] || air.holds(new, k, home.free()) {
+        if old[k] == new[k] || clearance.of_point(new, k, home.free()) {
             continue;
         }
         if near.is_none() {
@@ -361,7 +367,7 @@ fn keep_home(
         let kept = home.keep(new[k], near, |kept| skin.push_out(kept, depth(k)).0);
         if kept != new[k] {
             new[k] = kept;
-            air.forget(k);
+            clearance.forget(k);
         }
     }
 }

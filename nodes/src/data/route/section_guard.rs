@@ -89,25 +89,25 @@ impl Home<'_> {
         }
     }
 
-    /// Hair higher than this off the skin passes over partings, cm.
+    /// Height over the skin (cm) from which hair passes over partings freely.
     pub(super) fn free(&self) -> f32 {
         self.cm(FREE)
     }
 
-    /// Hair higher than this off the skin leads over no parting, cm.
+    /// Height over the skin (cm) from which no segment counts as crossing a parting.
     pub(super) fn over_lines(&self) -> f32 {
-        // Between two points of a line the skin may be lower.
+        // The skin may be lower between two points of a line.
         self.sections.over_lines() + self.cm(0.05)
     }
 
-    /// Whether a glance at the root tells that a hair, as it is drawn through these points, is too far from any parting to lead over it.
-    /// False means unknown.
+    /// Whether the distance of its root from the nearest parting rules out that a hair, as drawn through these points, crosses one. False
+    /// means unknown.
     pub(super) fn is_off_lines(&self, hair: &[Vec3]) -> bool {
         let (Some(root), chart) = (hair.first(), self.scalp.chart()) else { return true };
         let Some(cell) = cell_of(chart.flat(*root)) else { return false };
         let clear = self.sections.clear(cell) - chart.spots()[cell].point.distance(*root);
         let reach = clear - self.over_lines() - self.cm(NEAR);
-        // The drawn curve goes by no more than a third farther than its points, for which twice is plenty.
+        // The drawn curve reaches at most a third farther from the root than its points; twice is a safe bound.
         reach > 0.0 && hair.iter().all(|p| 4.0 * p.distance_squared(*root) < reach * reach)
     }
 

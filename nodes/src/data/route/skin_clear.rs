@@ -55,16 +55,16 @@ impl Skin<'_> {
         self.clear_noting(points, depth, |_, _, _| {})
     }
 
-    /// [`Self::clear`] that does not ask about points that `are_off` the skin, as long as it leads them nowhere.
+    /// [`Self::clear`] that skips points for which `is_clear` holds, unless the hair has to be led round something.
     pub(super) fn clear_where(
         &self,
         points: &mut [Vec3],
         depth: impl Fn(usize) -> Option<f32>,
-        are_off: impl Fn(&[Vec3], usize) -> bool,
+        is_clear: impl Fn(&[Vec3], usize) -> bool,
     ) -> bool {
         match self.asks_alone() {
             true => self.push_each(points, &depth, |_, _, _| {}),
-            false => self.clear_led(Torn::APART, points, &depth, are_off),
+            false => self.clear_led(Torn::APART, points, &depth, is_clear),
         }
     }
 
@@ -100,11 +100,11 @@ impl Skin<'_> {
         far: Torn,
         points: &mut [Vec3],
         depth: &impl Fn(usize) -> Option<f32>,
-        are_off: impl Fn(&[Vec3], usize) -> bool,
+        is_clear: impl Fn(&[Vec3], usize) -> bool,
     ) -> bool {
         // Where points were, for those that were moved.
         let mut was: Vec<(usize, Vec3)> = vec![];
-        self.push_all(points, depth, &are_off, &mut was);
+        self.push_all(points, depth, &is_clear, &mut was);
         if was.is_empty() || self.is_rough() || !self.looked(0) {
             return !was.is_empty();
         }
@@ -228,11 +228,11 @@ impl Skin<'_> {
         &self,
         points: &mut [Vec3],
         depth: &impl Fn(usize) -> Option<f32>,
-        are_off: &impl Fn(&[Vec3], usize) -> bool,
+        is_clear: &impl Fn(&[Vec3], usize) -> bool,
         was: &mut Vec<(usize, Vec3)>,
     ) {
         for k in 1..points.len() {
-            let Some(depth) = depth(k).filter(|_| !are_off(points, k)) else { continue };
+            let Some(depth) = depth(k).filter(|_| !is_clear(points, k)) else { continue };
             let (out, moved) = self.push_out(points[k], depth);
             if moved {
                 was.push((k, points[k]));

@@ -220,7 +220,7 @@ impl Sections {
     pub(crate) fn last_passed(&self, n: usize, hair: impl Fn(usize) -> Vec3) -> Option<usize> {
         self.seen().last_passed(n, hair, 0.0)
     }
-    /// How far off a parting is what crosses it at most, cm.
+    /// Largest distance from a parting at which a segment counts as crossing it, cm.
     pub(crate) fn over_lines(&self) -> f32 {
         self.seen().half_place()
     }
