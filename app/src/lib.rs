@@ -19,6 +19,9 @@ pub mod places;
 pub mod rooms;
 #[cfg(feature = "render")]
 pub mod scene;
+#[cfg(test)]
+#[path = "../../tests/src/long.rs"]
+mod long;
 #[cfg(all(test, feature = "editor"))]
 mod testing;
 #[cfg(test)]

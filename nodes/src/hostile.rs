@@ -13,6 +13,7 @@ use crate::data::shapes::{ShapeList, Tier, TurnProfile};
 use crate::data::strokes::{Brush, Mode, Sample, Stroke, Strokes};
 use crate::define::{InputDef, NodeDef, Type, Value};
 use crate::eval::{Host, Log, PlainHost, Quality};
+use crate::long::is_long;
 use crate::maths::closest::{Surface, tests::sphere};
 use crate::maths::hash::Dice;
 use crate::testing::run_on;
@@ -33,8 +34,10 @@ const FEW: &[(&str, &[(&str, f32)])] = &[
     ("sphere_puff", &[("count", 60.0)]),
     ("cluster_to_strands", &[("strands", 16.0)]),
 ];
-/// Throws of several hostile values at once, for each node; in release (`tests/run.sh --long`) more than in the dev build.
-const THROWS: u64 = if cfg!(debug_assertions) { 4 } else { 60 };
+/// Throws of several hostile values at once, for each node.
+fn throws() -> u64 {
+    if is_long() { 60 } else { 4 }
+}
 /// How often a node may look whether to stop before it is asked to, as people do whom much hair takes too long.
 const LOOKS: u32 = 64;
 /// The most that a node may make.
@@ -362,7 +365,7 @@ fn hostile_inputs_never_panic_hang_or_eat_memory() {
             }
         }
         let dice = Dice::new(5, 0, id);
-        for throw in 0..THROWS {
+        for throw in 0..throws() {
             let share = dice.range(throw, 0, 0.05, 0.6);
             let some = all.iter().enumerate().filter(|(k, (_, values))| {
                 let many = few(id).iter().any(|(name, _)| *name == all[*k].0.name);

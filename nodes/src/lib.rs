@@ -22,6 +22,9 @@ mod guides;
 mod hostile;
 pub mod laws;
 #[cfg(test)]
+#[path = "../../tests/src/long.rs"]
+mod long;
+#[cfg(test)]
 mod masks;
 pub mod maths;
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::data::curves::{Curves, Tuft};
 use crate::data::scalp::Scalp;
 use crate::define::{Arity, InputDef, NodeDef, NodeError, Type, Value};
 use crate::eval::{Log, PlainHost, Quality};
+use crate::long::is_long;
 use crate::maths::hash::Dice;
 use crate::testing::{curves_of, head, run_on, shared_head};
 use std::cell::RefCell;
@@ -320,7 +321,7 @@ fn heads() -> Vec<Bench> {
 #[test]
 fn whatever_makes_or_moves_hair_keeps_it_out_of_the_skin_and_off_partings() {
     let mut faults = vec![];
-    let long = std::env::var_os("COIF_LONG").is_some();
+    let long = is_long();
     for (number, bench) in heads().into_iter().enumerate() {
         // The built-in head in whole sections sees all nodes, in boxes and on each of two heads of others every other.
         let sees = |k: usize| long || number == 0 || k % 2 == number % 2;

@@ -1,6 +1,7 @@
 //! What whole-program tests share: the program itself, the heads they run on, and how they say that they cannot run.
 
 pub mod judge;
+pub mod long;
 pub mod screen;
 #[cfg(unix)]
 pub mod tablet;
@@ -18,6 +19,7 @@ use coif_nodes::eval::Quality;
 use coif_nodes::formats::usd::read::{ReadCurves, read_stage};
 use coif_shaders::{Gpu, Precision};
 use serde_json::Value as Json;
+use long::is_long;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output};
 use std::sync::{Arc, OnceLock};
@@ -81,7 +83,7 @@ pub fn smooth_heads(test: &str) -> impl Iterator<Item = RealHead> {
 /// (`tests/run.sh --long`).
 pub fn one_of<T>(heads: &[T], number: usize) -> impl Iterator<Item = &T> {
     let all = heads.len();
-    let some = if std::env::var_os("COIF_LONG").is_some() { all } else { all.min(1) };
+    let some = if is_long() { all } else { all.min(1) };
     (0..some).map(move |k| &heads[(number + k) % all])
 }
 

@@ -88,13 +88,16 @@ impl Screen {
         String::from_utf8_lossy(&done.stdout).trim().to_owned()
     }
 
-    /// Waits for a window with this in its title and gives it the keyboard.
+    /// Waits for a window of this program with this in its title and gives it the keyboard.
     ///
     /// # Panics
-    /// When none comes.
-    pub fn focus(&self, title: &str) -> String {
+    /// When none comes, or the program ends.
+    pub fn focus(&self, program: &mut Child, title: &str) -> String {
         let mut window = None;
         until(&format!("a window {title:?} opens"), || {
+            if let Ok(Some(ended)) = program.try_wait() {
+                panic!("no window {title:?} opens: the program ended ({ended})");
+            }
             let found = Command::new("xdotool")
                 .args(["search", "--onlyvisible", "--name", title])
                 .env("DISPLAY", &self.display)

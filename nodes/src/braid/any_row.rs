@@ -6,7 +6,7 @@
 //! jumps; on rows that a braid can follow, the word of the strands. All rows that break a law are reported.
 //! `hair_laws.rs` tests that hair stays in its strand.
 
-use super::any_source::{MANY, each_of};
+use super::any_source::{each_of, many};
 use super::laws::{Set, counted, set};
 use super::reading::{CvStrand, braid_signs, on_ball, path_signs};
 use super::weave::{Weave, default_frequency};
@@ -16,6 +16,7 @@ use crate::data::curves::Curves;
 use crate::data::scalp::tests::shared_ball;
 use crate::eval::PlainHost;
 use crate::laws::{MeasuredHair, depth, roots};
+use crate::long::is_long;
 use crate::maths::frame::{Frame, any_normal};
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
@@ -174,7 +175,7 @@ fn one(dice: Dice, id: u64) -> usize {
 #[test]
 fn braids_and_their_hair_keep_their_laws_on_any_row() {
     let dice = Dice::new(2026, 0, "any row");
-    let many = if cfg!(debug_assertions) { 40 } else { MANY };
+    let many = if is_long() { many() } else { 40 };
     let ids: Vec<u64> = (0..many).chain(ONCE_BROKEN.into_iter().filter(|id| *id >= many)).collect();
     let all = each_of(&ids, |id| one(dice, id));
     let hairs: usize = all.iter().flatten().sum();

@@ -1,6 +1,6 @@
 //! The laws of methods.md 2 on thousands of random sources: straight, bent, spiral, and with cusps.
 //!
-//! Ten thousand sources for each of two seeds in release (`tests/run.sh --long`), a hundred in the dev build. Overlap
+//! Ten thousand sources for each of two seeds by `tests/run.sh --long`, else a hundred. Overlap
 //! is tested where the source turns no more sharply than the braid can follow; everything else on any source, and the
 //! word on those whose stitch length can be braided. All sources that break a law are reported.
 
@@ -8,15 +8,18 @@ use super::laws::{Set, bare, braid, counted, helix, set, straight};
 use super::reading::{CvStrand, braid_signs, carried, overlap, path_signs};
 use super::weave::{Weave, default_frequency};
 use crate::data::attributes as attr;
+use crate::long::is_long;
 use crate::maths::hash::Dice;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
 
 /// Number of sources.
-pub(super) const MANY: u64 = if cfg!(debug_assertions) { 100 } else { 10_000 };
+pub(super) fn many() -> u64 {
+    if is_long() { 10_000 } else { 100 }
+}
 const THREADS: u64 = 2;
-/// Sources beyond those of the dev build whose words were broken before strands got points according to their own
+/// Sources beyond the first hundred whose words were broken before strands got points according to their own
 /// length.
 const ONCE_BROKEN: [u64; 12] =
     [2724, 2869, 3093, 3664, 5053, 5494, 6399, 6729, 7599, 8469, 8669, 9654];
@@ -182,8 +185,8 @@ pub(super) fn each_of<T: Send>(
 
 fn on_sources(seed: u64) {
     let dice = Dice::new(seed, 0, "any source");
-    let beyond = ONCE_BROKEN.into_iter().filter(|id| *id >= MANY);
-    let ids: Vec<u64> = (0..MANY).chain(beyond).collect();
+    let beyond = ONCE_BROKEN.into_iter().filter(|id| *id >= many());
+    let ids: Vec<u64> = (0..many()).chain(beyond).collect();
     let all: Vec<Result<(Kind, f32), String>> = each_of(&ids, |id| one(dice, id));
     let most: Vec<f32> = all.iter().flatten().map(|(_, most)| *most).collect();
     let looked = most.iter().filter(|most| **most > 0.0).count();
@@ -192,7 +195,7 @@ fn on_sources(seed: u64) {
         all.iter().filter_map(|it| it.as_ref().err()).map(|s| s.as_str()).collect();
     println!("{} sources, overlap looked for on {looked}: at most {worst}", all.len());
     assert!(broken.is_empty(), "{} sources break a law:\n{}", broken.len(), broken.join("\n"));
-    assert!(looked as u64 > MANY / 20, "{looked}");
+    assert!(looked as u64 > many() / 20, "{looked}");
 }
 
 #[test]

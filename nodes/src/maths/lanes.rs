@@ -1,7 +1,7 @@
 //! Eight numbers at a time: lane `i` of every value belongs to hair `i` of a bundle.
 //!
-//! Kernels are written once, against `fearless_simd`, and compiled for each instruction set: on x86-64 for single numbers, four (SSE 4.2)
-//! and eight (AVX2), elsewhere for what the machine has. The widest set that the machine supports is chosen at run time.
+//! Kernels are written once, against `fearless_simd`, and compiled for each instruction set: on x86-64 for eight numbers (AVX2) and
+//! for single ones, in tests also for four (SSE 4.2), elsewhere for what the machine has. The widest set that the machine supports is chosen at run time.
 //!
 //! Guarantees: every width gives the same bits, because sums, products, quotients and square roots are rounded alike in each. Nothing is
 //! fused (`mul_add`), estimated (`recip`) or left to the machine (`min` and `max` of -0 and NaN, whole numbers out of range).
@@ -55,6 +55,22 @@ pub(crate) trait InLanes {
 /// Runs `work` in the widest lanes of this machine.
 #[inline]
 pub(crate) fn in_lanes<T: InLanes>(work: T) -> T::Out {
+    // Four at a time gains whole nodes nothing over single numbers, and each instruction set compiles every kernel once more: tests
+    // alone have it.
+    #[cfg(all(target_arch = "x86_64", not(test)))]
+    return if let Some(eight) = level().as_avx2() {
+        eight.vectorize(
+            #[inline(always)]
+            || work.run(eight),
+        )
+    } else {
+        let one = fearless_simd::Fallback::new();
+        one.vectorize(
+            #[inline(always)]
+            || work.run(one),
+        )
+    };
+    #[cfg(any(not(target_arch = "x86_64"), test))]
     fearless_simd::dispatch!(level(), s => work.run(s))
 }
 

@@ -12,6 +12,7 @@ use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
 use coif_nodes::maths::hash::Dice;
 use coif_nodes::maths::transcendental::{sin_cos, sin_cos_turns};
+use coif_tests::long::is_long;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -491,7 +492,7 @@ fn lines_at(ends: &[(u64, [f32; 2])]) -> Strokes {
 fn however_partings_move_under_whatever_nodes_the_hair_is_that_of_a_run_that_keeps_nothing() {
     let dice = Dice::new(0, 0, "partings under graphs");
     let mut reused = BTreeMap::<&str, u32>::new();
-    let (trials, steps) = if std::env::var_os("COIF_LONG").is_some() { (32, 5) } else { (5, 3) };
+    let (trials, steps) = if is_long() { (32, 5) } else { (5, 3) };
     for trial in 0..trials {
         let any = Any(dice, trial);
         let graph = any_graph(any);

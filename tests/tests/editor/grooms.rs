@@ -3,13 +3,14 @@
 use super::harness::{is_sound, on_groom, settle};
 use coif::core::event::Event;
 use coif_graphs::{file, grooms};
+use coif_tests::long::is_long;
 
 /// The hero whose hair is waited for, beside every sixth of the other grooms; all open, and `grooms` evaluates all of them.
 const SHOWN: [&str; 1] = ["cornrows_puffs"];
 
 #[test]
 fn every_shipped_groom_opens_unchanged_and_shows_all_of_its_hair() {
-    let long = std::env::var_os("COIF_LONG").is_some();
+    let long = is_long();
     for (i, (name, text)) in grooms::ALL.iter().enumerate() {
         let mut ui = on_groom(name);
         let sixth = !grooms::HEROES.contains(name) && i % 6 == 0;

@@ -2,6 +2,7 @@
 
 use super::shipped::{Shipped, tenth};
 use coif_graphs::grooms;
+use coif_tests::long::is_long;
 use coif_tests::usd_python;
 use serde_json::Value as Json;
 
@@ -10,7 +11,7 @@ use serde_json::Value as Json;
 fn openusd_opens_every_written_file_and_finds_what_the_report_says() {
     let test = "openusd_opens_every_written_file_and_finds_what_the_report_says";
     let Some(python) = usd_python(test) else { return };
-    let every = if std::env::var_os("COIF_LONG").is_some() { 1 } else { 2 };
+    let every = if is_long() { 1 } else { 2 };
     let some = grooms::ALL.iter().step_by(every);
     let written: Vec<(&str, &Shipped)> = some.map(|(name, _)| (*name, tenth(name, None))).collect();
     let script = coif_tests::repository().join("tests/usd/validate.py");

@@ -3,6 +3,7 @@
 
 use super::pages::primvars;
 use coif_graphs::grooms;
+use coif_tests::long::is_long;
 use coif_tests::{Folder, RealHead, eval, repository, run};
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,7 +50,7 @@ impl Shipped {
 
 /// Whether all hair is judged, which takes minutes: `tests/run.sh --long`.
 pub(crate) fn all_hair() -> bool {
-    std::env::var_os("COIF_LONG").is_some()
+    is_long()
 }
 
 /// A groom on the built-in head, with a tenth of its hair where not [`all_hair`] is judged.

@@ -8,6 +8,7 @@ use coif_graphs::grooms;
 use coif_graphs::schedule::run::Evaluator;
 use coif_nodes::formats::usd::read::{ReadCurves, read_stage};
 use coif_tests::judge::{Found, Judge, Place, Soup, head_of, region};
+use coif_tests::long::is_long;
 use coif_tests::{RealHead, SCAN, curves_in, one_of, real_heads, smooth_heads};
 use glam::DVec3;
 use std::path::Path;
@@ -175,7 +176,7 @@ fn under_an_open_neck_nothing_is_too_deep_and_above_it_what_is_inside() {
 
 /// Judges a tenth of some hair, each on a head: every second one of it, or all where `COIF_LONG` is set.
 fn judge_all<'a>(all: impl IntoIterator<Item = (&'static str, String, Option<&'a RealHead>)>) {
-    let every = if std::env::var_os("COIF_LONG").is_some() { 1 } else { 2 };
+    let every = if is_long() { 1 } else { 2 };
     let judge = Judge { threads: 2, every, ..Judge::default() };
     let evaluator = Evaluator::new(2, 0).expect("threads");
     let mut wrong = vec![];

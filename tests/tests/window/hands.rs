@@ -25,18 +25,17 @@ fn head() -> Document {
 }
 
 fn open(path: &Path, folder: &Folder, screen: &Screen) -> Running {
-    let child = program()
+    let mut editor = program()
         .arg("edit")
         .arg(path)
         .env("DISPLAY", screen.display())
         .env_remove("WAYLAND_DISPLAY")
         .env("COIF_HOME", folder.path("home"))
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
         .spawn()
         .expect("the editor starts");
-    screen.focus("coif");
-    Running(child)
+    screen.focus(&mut editor, "coif");
+    Running(editor)
 }
 
 /// The screen, once the picture of the viewport has so many colours.

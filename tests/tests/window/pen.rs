@@ -66,7 +66,7 @@ fn edit(tablet: &Tablet, folder: &Folder, path: &Path) -> Child {
     // One sample a pixel: the picture is soon at rest, and the machine free for the window.
     std::fs::create_dir_all(folder.path("home")).expect("a folder");
     std::fs::write(folder.path("home/settings.ron"), "(samples: 1)").expect("settings are written");
-    let editor = program()
+    let mut editor = program()
         .args(["edit", &path.display().to_string()])
         .env("DISPLAY", tablet.screen.display())
         .env_remove("WAYLAND_DISPLAY")
@@ -74,7 +74,7 @@ fn edit(tablet: &Tablet, folder: &Folder, path: &Path) -> Child {
         .stdout(Stdio::null())
         .spawn()
         .expect("the editor starts");
-    tablet.screen.focus("coif");
+    tablet.screen.focus(&mut editor, "coif");
     // The head is there when its picture is.
     settled(tablet, folder);
     editor

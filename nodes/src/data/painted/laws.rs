@@ -5,6 +5,7 @@ use crate::data::outline::for_middles;
 use crate::data::scalp::HeadFrame;
 use crate::data::strokes::Sample;
 use crate::define::{FileData, Value};
+use crate::long::is_long;
 use crate::maths::hash::Dice;
 use crate::testing::{area_within, fails, round, run};
 use std::collections::BTreeMap;
@@ -172,7 +173,7 @@ fn strokes_count_in_their_order_and_a_pass_that_covers_itself_counts_once() {
 
 #[test]
 fn erasing_takes_all_paint_away_and_values_stay_between_0_and_1() {
-    let (scalp, rounds) = (head(), if cfg!(debug_assertions) { 6 } else { 200 });
+    let (scalp, rounds) = (head(), if is_long() { 200 } else { 6 });
     let places: Vec<Root> = (0..scalp.surface().triangles.len() as u32)
         .step_by(37)
         .map(|t| scalp.root(t, glam::Vec2::splat(1.0 / 3.0)))
@@ -524,7 +525,7 @@ fn another_head_shows_the_same_picture_within_2_percent_of_the_area() {
     let (here, there) = (painted(&head(), &strokes), painted(&other, &strokes));
     let (mut sum, mut differs, mut heat) = (0.0f64, 0.0f64, [0.0f64; 2]);
     // Directions over the scalp, equal areas: heights are evenly distributed.
-    let count = if cfg!(debug_assertions) { 6000 } else { 40_000 };
+    let count = if is_long() { 40_000 } else { 6000 };
     for k in 0..count {
         let up = 0.2 + 0.8 * (k as f32 + 0.5) / count as f32;
         let (sin, cos) = crate::maths::transcendental::sin_cos_turns(k as f32 * 0.618_034);

@@ -7,6 +7,7 @@ use super::super::super::sample::{Device, PenSample as Report, Phase, Tool as En
 use super::super::super::tests::{Table, draw_on, head};
 use super::super::target;
 use crate::core::event::Event;
+use crate::long::is_long;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, Node, NodeId, Point, Setting, Socket};
 use coif_nodes::data::gestures::{Gestures, Tool};
@@ -418,9 +419,8 @@ fn shipped_sketches_are_what_a_pen_draws_in_two_minutes() {
     let only = std::env::var("COIF_SKETCH").ok();
     for (name, draw) in STYLES {
         // The longest of them is drawn by `tests/run.sh --long` alone.
-        let is_long =
-            name == "sketch_ponytail" && !update && std::env::var_os("COIF_LONG").is_none();
-        if only.as_ref().map_or(is_long, |only| only != name) {
+        let waits = name == "sketch_ponytail" && !update && !is_long();
+        if only.as_ref().map_or(waits, |only| only != name) {
             continue;
         }
         let (document, took) = draw();
