@@ -13,15 +13,15 @@ mod feeders;
 mod files;
 mod jobs;
 mod library;
+#[cfg(test)]
+#[path = "../../tests/src/long.rs"]
+mod long;
 mod pack;
 pub mod places;
 #[cfg(feature = "editor")]
 pub mod rooms;
 #[cfg(feature = "render")]
 pub mod scene;
-#[cfg(test)]
-#[path = "../../tests/src/long.rs"]
-mod long;
 #[cfg(all(test, feature = "editor"))]
 mod testing;
 #[cfg(test)]

@@ -22,6 +22,8 @@ const TABLE: usize = 512;
 const MARGIN: f32 = 1.05;
 /// Points of an outline under construction.
 const FINE: usize = 1024;
+/// Points of a stretch of it.
+const STRETCH: usize = 16;
 
 /// A closed curve of unit RMS radius by arc length.
 #[derive(Clone, Debug)]
@@ -220,7 +222,7 @@ fn normalised(outline: &[Vec2]) -> Vec<Vec2> {
     let mut out = even(outline);
     // Moving the centre moves the +x axis: one repetition is enough, since the centre then stays.
     for _ in 0..2 {
-        let mean = out.iter().sum::<Vec2>() / FINE as f32;
+        let mean = centroid(&out);
         out.iter_mut().for_each(|p| *p -= mean);
         out = even(&out);
     }
@@ -235,16 +237,33 @@ fn widened(outline: &[Vec2], radius: f32, rays: usize) -> Vec<Vec2> {
     if radius <= 0.0 {
         return outline.to_vec();
     }
+    // Stretches of the outline, each in a disc that, with room for rounding, holds all dilated points: most lie beside a ray.
+    let stretch = |points| {
+        let middle = centroid(points);
+        let far = points.iter().fold(0.0f32, |far, p| far.max(p.distance(middle)));
+        (points, middle, (far + radius) * 1.001 + 1e-5 * middle.length())
+    };
+    let stretches: Vec<(&[Vec2], Vec2, f32)> = outline.chunks(STRETCH).map(stretch).collect();
     let reach = |k: usize| {
         let (sin, cos) = sin_cos_turns(k as f32 / rays as f32);
         let ray = Vec2::new(cos, sin);
-        let far = outline.iter().fold(0.0f32, |far, p| {
-            let left = radius * radius - ray.perp_dot(*p) * ray.perp_dot(*p);
-            if left < 0.0 { far } else { far.max(ray.dot(*p) + left.sqrt()) }
-        });
+        let mut far = 0.0f32;
+        for (points, middle, disc) in &stretches {
+            if ray.perp_dot(*middle).abs() > *disc || ray.dot(*middle) + disc < far {
+                continue;
+            }
+            for p in *points {
+                let left = radius * radius - ray.perp_dot(*p) * ray.perp_dot(*p);
+                far = if left < 0.0 { far } else { far.max(ray.dot(*p) + left.sqrt()) };
+            }
+        }
         ray * far
     };
     (0..rays).map(reach).collect()
+}
+
+fn centroid(points: &[Vec2]) -> Vec2 {
+    points.iter().sum::<Vec2>() / points.len().max(1) as f32
 }
 
 /// The evenly spaced outline convolved with a Gaussian of width `sigma`, in its own unit.
@@ -255,13 +274,16 @@ fn smoothed(outline: &[Vec2], sigma: f32) -> Vec<Vec2> {
     let weight = |k: usize| exp(-0.5 * (k as f32 * per_step) * (k as f32 * per_step));
     let weights: Vec<f32> = (0..=reach).map(weight).collect();
     let total = weights[0] + 2.0 * weights[1..].iter().sum::<f32>();
-    let at = |i: usize| {
-        let sum = weights[1..].iter().enumerate().fold(outline[i] * weights[0], |sum, (k, w)| {
-            sum + (outline[(i + k + 1) % n] + outline[(i + n - k - 1) % n]) * *w
-        });
-        sum / total
-    };
-    (0..n).map(at).collect()
+    // All points take one neighbour on each side at a time: compilers do that for several numbers at once.
+    let around: Vec<Vec2> = (n - reach..2 * n + reach).map(|i| outline[i % n]).collect();
+    let shifted = |by: usize| bytemuck::cast_slice::<Vec2, f32>(&around[by..by + n]);
+    let mut sums: Vec<Vec2> = outline.iter().map(|p| *p * weights[0]).collect();
+    for (k, weight) in weights.iter().enumerate().skip(1) {
+        let sums = bytemuck::cast_slice_mut::<Vec2, f32>(&mut sums);
+        let both = shifted(reach + k).iter().zip(shifted(reach - k));
+        sums.iter_mut().zip(both).for_each(|(sum, (next, last))| *sum += (next + last) * weight);
+    }
+    sums.into_iter().map(|sum| sum / total).collect()
 }
 
 /// The smallest radius of curvature of an evenly spaced outline, measured over two steps each way.
@@ -358,6 +380,44 @@ mod tests {
                 let coarse: Vec<Vec2> = (0..n).step_by(4).map(at).collect();
                 assert!(tightest(&coarse) > rounding, "{what}: {}", tightest(&coarse));
             }
+        }
+    }
+
+    #[test]
+    fn outlines_are_dilated_and_smoothed_as_if_every_point_were_looked_at() {
+        let outline: Vec<Vec2> = (0..FINE)
+            .map(|k| {
+                let turns = k as f32 / FINE as f32;
+                let (sin, cos) = sin_cos_turns(turns);
+                Vec2::new(cos, 0.3 * sin) * (1.0 + 0.6 * sin_cos_turns(5.0 * turns).1)
+            })
+            .collect();
+        for radius in [0.003, 0.08, 0.9] {
+            let far = |k: usize| {
+                let (sin, cos) = sin_cos_turns(k as f32 / FINE as f32);
+                let ray = Vec2::new(cos, sin);
+                let reach = |p: &Vec2| {
+                    let left = radius * radius - ray.perp_dot(*p) * ray.perp_dot(*p);
+                    if left < 0.0 { 0.0 } else { ray.dot(*p) + left.sqrt() }
+                };
+                ray * outline.iter().map(reach).fold(0.0, f32::max)
+            };
+            let all: Vec<Vec2> = (0..FINE).map(far).collect();
+            assert_eq!(widened(&outline, radius, FINE), all, "{radius}");
+        }
+        for sigma in [0.02, 0.3] {
+            let step = perimeter(&outline) / FINE as f32 / sigma;
+            let weight = |k: usize| exp(-0.5 * (k as f32 * step) * (k as f32 * step));
+            let reach = ((3.5 / step) as usize).min(FINE / 2 - 1);
+            let whole = weight(0) + 2.0 * (1..=reach).map(weight).sum::<f32>();
+            let mean = |i: usize| {
+                let sum = (1..=reach).fold(outline[i] * weight(0), |sum, k| {
+                    sum + (outline[(i + k) % FINE] + outline[(i + FINE - k) % FINE]) * weight(k)
+                });
+                sum / whole
+            };
+            let all: Vec<Vec2> = (0..FINE).map(mean).collect();
+            assert_eq!(smoothed(&outline, sigma), all, "{sigma}");
         }
     }
 
