@@ -5,6 +5,7 @@
 //! weighted pseudonormal"): exact for closed surfaces, and right near the surface of open ones. Far behind a hole the side is
 //! undefined.
 
+use super::lanes::{LANES, Simd, Vec3x8, f32x8, ops::*, pick};
 use super::triangle_tree::{Nearby, Nearest, TriangleTree};
 use glam::{Vec2, Vec3};
 
@@ -146,6 +147,24 @@ impl Surface {
         }
         let best = self.at_nearest(p, near);
         self.search(p, best.0.next_up(), best, false)
+    }
+
+    /// [`Self::closest_from`] for eight points of a ball, which walk through the tree together.
+    pub(super) fn closest_of_each(
+        &self,
+        points: &[Vec3; LANES],
+        (middle, radius): (Vec3, f32),
+        near: u32,
+    ) -> [Option<Hit>; LANES] {
+        let is_far = middle.abs().max_element() + radius > FARAWAY;
+        if self.is_gone(near) || self.tree.is_tangled() || is_far || !middle.is_finite() {
+            return points.map(|p| self.closest_from(p, near));
+        }
+        let found = self.tree.nearest_each(points, (middle, radius), (near, self.corners(near)));
+        std::array::from_fn(|lane| {
+            let (d2, triangle, bary, point) = self.at_nearest(points[lane], found[lane]);
+            Some(Hit { triangle, bary, point, distance: d2.sqrt() })
+        })
     }
 
     /// The triangles one of which is closest to any point of a ball, for [`Self::closest_of`]; empty where they are not few.
@@ -460,6 +479,40 @@ pub fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec2, Vec3) {
     (Vec2::new(v, w), a + ab * v + ac * w)
 }
 
+/// The squared distances of eight points from what [`closest_on_triangle`] finds, to the bit.
+#[inline(always)]
+pub(super) fn squares_to_triangle<S: Simd>(p: Vec3x8<S>, [a, b, c]: [Vec3; 3]) -> f32x8<S> {
+    let s = p.x.simd;
+    let (ab, ac, bc) = (Vec3x8::splat(s, b - a), Vec3x8::splat(s, c - a), Vec3x8::splat(s, c - b));
+    let (a, b, c) = (Vec3x8::splat(s, a), Vec3x8::splat(s, b), Vec3x8::splat(s, c));
+    let (ap, bp, cp) = (p - a, p - b, p - c);
+    let (d1, d2, d3, d4) = (ab.dot(ap), ac.dot(ap), ab.dot(bp), ac.dot(bp));
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    // The first case that holds counts: the last comes first.
+    let scale = 1.0 / (va + vb + vc);
+    let inside = a + ab * (vb * scale) + ac * (vc * scale);
+    let point = Vec3x8::pick(scale.abs().simd_lt(f32::INFINITY), inside, a);
+    let (before, after) = (d4 - d3, d5 - d6);
+    let is = va.simd_le(0.0) & before.simd_ge(0.0) & after.simd_ge(0.0);
+    let point = Vec3x8::pick(is, b + bc * share(before, before + after), point);
+    let is = vb.simd_le(0.0) & d2.simd_ge(0.0) & d6.simd_le(0.0);
+    let point = Vec3x8::pick(is, a + ac * share(d2, d2 - d6), point);
+    let point = Vec3x8::pick(d6.simd_ge(0.0) & d5.simd_le(d6), c, point);
+    let is = vc.simd_le(0.0) & d1.simd_ge(0.0) & d3.simd_le(0.0);
+    let point = Vec3x8::pick(is, a + ab * share(d1, d1 - d3), point);
+    let point = Vec3x8::pick(d3.simd_ge(0.0) & d4.simd_le(d3), b, point);
+    let point = Vec3x8::pick(d1.simd_le(0.0) & d2.simd_le(0.0), a, point);
+    let off = point - p;
+    off.dot(off)
+}
+
+/// `part / whole`, 0 where `whole` is not positive.
+#[inline(always)]
+fn share<S: Simd>(part: f32x8<S>, whole: f32x8<S>) -> f32x8<S> {
+    pick(whole.simd_gt(0.0), part / whole, part.simd.splat_f32x8(0.0))
+}
+
 /// Moeller and Trumbore 1997, two-sided.
 pub(super) fn ray_triangle(
     origin: Vec3,
@@ -484,6 +537,7 @@ pub(super) fn ray_triangle(
 pub(crate) mod tests {
     use super::*;
     use crate::maths::hash::Dice;
+    use crate::maths::lanes::in_each_width;
 
     /// A sphere of `n` x `2n` quads; poles on Y, no uv.
     pub(crate) fn sphere(radius: f32, n: u32) -> Surface {
@@ -532,6 +586,46 @@ pub(crate) mod tests {
             }
         }
         assert!(ball.closest_within(Vec3::X * 2e9, 1e9).is_none());
+    }
+
+    #[test]
+    fn eight_points_of_a_ball_find_together_what_each_finds_alone() {
+        let dice = Dice::new(11, 0, "balls");
+        // Of strewn triangles, some are slivers, points, lie twice or on a lattice where many are as near.
+        let strewn: Vec<Vec3> = (0..900)
+            .map(|k| {
+                let p = Vec3::from([0, 1, 2].map(|axis| 3.0 * dice.signed(k / 3, axis)));
+                let size = [0.5, 1e-4, 0.0][(k / 3 % 3) as usize];
+                let p = p + Vec3::from([3, 4, 5].map(|axis| size * dice.signed(k, axis)));
+                if k % 5 == 0 { p.round() } else { p }
+            })
+            .collect();
+        let mut triangles: Vec<[u32; 3]> =
+            (0..300).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        triangles.extend_from_within(..100);
+        for surface in [sphere(2.0, 12), Surface::new(strewn, triangles)] {
+            for id in 0..300 {
+                let middle = Vec3::from([0, 1, 2].map(|axis| 3.0 * dice.signed(id, 10 + axis)));
+                let radius = [0.01, 0.3, 2.0][id as usize % 3];
+                let points = std::array::from_fn(|k| {
+                    let way = [0, 1, 2].map(|axis| dice.signed(id, 20 + 3 * k as u64 + axis));
+                    let p = middle + Vec3::from(way).clamp_length_max(1.0) * radius;
+                    if k == 0 {
+                        p.round().clamp(middle - 0.5 * radius, middle + 0.5 * radius)
+                    } else {
+                        p
+                    }
+                });
+                let near = (id * 7 % surface.triangles.len() as u64) as u32;
+                let alone = points.map(|p| surface.closest(p));
+                let together =
+                    in_each_width(|| surface.closest_of_each(&points, (middle, radius), near));
+                assert!(
+                    together.iter().all(|found| *found == alone),
+                    "{id}: {together:?}, not {alone:?}"
+                );
+            }
+        }
     }
 
     #[test]

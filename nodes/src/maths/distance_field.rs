@@ -14,6 +14,7 @@
 //! hair has its own blocks.
 
 use super::closest::{Hit, Surface};
+use super::lanes::LANES;
 use super::triangle_tree::Nearby;
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
@@ -394,27 +395,38 @@ impl DistanceField {
         centre: &AtomicU16,
     ) -> u16 {
         let low = i.as_vec3();
-        let first = self.known(surface, brick, corner, low);
-        // Few triangles are near cells that are near them.
-        let nearby = (first.abs() <= 2.0 * self.cell).then(|| self.nearby(surface, brick, i));
-        let exact = |off: Vec3| {
-            let p = self.lowest + (low + off) * self.cell;
-            let hit = nearby.and_then(|(middle, nearby)| surface.closest_of(p, middle, nearby));
-            match hit {
-                Some(hit) => surface.signed_distance(p, &hit),
-                None => self.exact(surface, brick, low + off),
-            }
-        };
-        for (at, off) in CORNERS {
-            if brick.sample(corner + at).to_bits() == UNKNOWN {
-                let distance = exact(Vec3::from(off));
-                brick.samples[corner + at].store(distance.to_bits(), Ordering::Relaxed);
+        const CENTRE: Vec3 = Vec3::splat(0.5);
+        let at = |off: Vec3| self.lowest + (low + off) * self.cell;
+        // All at once: the missing corners, and the centre where there is room.
+        let (mut samples, mut points, mut count) = ([0; LANES], [at(CENTRE); LANES], 0);
+        for (k, off) in CORNERS {
+            if brick.sample(corner + k).to_bits() == UNKNOWN {
+                (samples[count], points[count]) = (corner + k, at(Vec3::from(off)));
+                count += 1;
             }
         }
-        let (d, _, doubt) = self.between(brick, corner, Vec3::splat(0.5));
+        let ball = (at(CENTRE), HALF_DIAGONAL * self.cell);
+        let hits = match count {
+            0 => [None; LANES],
+            _ => surface.closest_of_each(&points, ball, brick.near.load(Ordering::Relaxed)),
+        };
+        let found = |lane: usize| {
+            hits[lane].map_or(self.band(), |hit| {
+                brick.near.store(hit.triangle, Ordering::Relaxed);
+                surface.signed_distance(points[lane], &hit)
+            })
+        };
+        for (lane, sample) in samples[..count].iter().enumerate() {
+            brick.samples[*sample].store(found(lane).to_bits(), Ordering::Relaxed);
+        }
+        let (d, _, doubt) = self.between(brick, corner, CENTRE);
         let mut known = [0, FAR_OFF];
         if d.abs() <= 1.5 * self.cell {
-            let off = (exact(Vec3::splat(0.5)) - d).abs();
+            let centre = match count {
+                0 | LANES => self.exact(surface, brick, low + CENTRE),
+                lane => found(lane),
+            };
+            let off = (centre - d).abs();
             // (All that there are; `as` turns a negative number into 0.)
             let steps = |off: f32, step: f32| (off * self.per_cell / step).ceil() as u8;
             known = [steps(off - doubt, MORE).min(u8::MAX - 1), steps(off, OFF)];

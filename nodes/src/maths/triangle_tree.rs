@@ -7,6 +7,7 @@
 //! tangle, where hundreds cross each other about each point, a search ends after [`MOST_LOOKS`] triangles: what it finds is the
 //! same everywhere, but may lie farther off than the nearest.
 
+use super::lanes::{Eight, InLanes, LANES, Simd, Vec3x8, in_lanes, ops::*, pick};
 use glam::{Vec2, Vec3};
 use std::cell::RefCell;
 
@@ -245,6 +246,17 @@ impl TriangleTree {
         best
     }
 
+    /// The triangle nearest to each of eight points of a ball (middle, radius), as [`Self::nearest`] finds it, beginning with one that
+    /// is near.
+    pub(super) fn nearest_each(
+        &self,
+        points: &[Vec3; LANES],
+        ball: (Vec3, f32),
+        near: (u32, [Vec3; 3]),
+    ) -> [u32; LANES] {
+        in_lanes(NearestEach { tree: self, points, ball, near })
+    }
+
     /// The triangles near a ball.
     pub(super) fn nearby(&self, middle: Vec3, radius: f32) -> Nearby {
         let slack = 2.0 * radius + 4.0 * self.rounding(middle);
@@ -361,7 +373,7 @@ impl TriangleTree {
 
     /// Visits the leaves, nearest boxes first, except those farther than `reach`. `far` returns the distances of a node's
     /// children, `leaf` tests a triangle and returns the new reach; at most `most` are tested.
-    #[inline]
+    #[inline(always)]
     fn walk(
         &self,
         far: impl Fn(&Node) -> Each,
@@ -447,6 +459,56 @@ impl TriangleTree {
     }
 }
 
+/// [`TriangleTree::nearest_each`].
+struct NearestEach<'a> {
+    tree: &'a TriangleTree,
+    points: &'a [Vec3; LANES],
+    ball: (Vec3, f32),
+    near: (u32, [Vec3; 3]),
+}
+
+impl InLanes for NearestEach<'_> {
+    type Out = [u32; LANES];
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> Self::Out {
+        let Self { tree, points, ball: (middle, radius), near: (near, corners) } = self;
+        let columns = [0, 1, 2].map(|axis| Eight(std::array::from_fn(|k| points[k][axis])));
+        let p = Vec3x8::load(s, &columns);
+        let mut best = super::closest::squares_to_triangle(p, corners);
+        let mut triangles = s.splat_u32x8(near);
+        let slack = radius + 2.0 * tree.rounding(middle.abs() + radius);
+        let first = reach(&s.as_array_f32x8(best), slack);
+        let mut far = first;
+        tree.walk(
+            |node| node.squares(middle),
+            #[inline(always)]
+            |_, leaf| {
+                let square = super::closest::squares_to_triangle(p, leaf.corners);
+                let triangle = s.splat_u32x8(leaf.triangle);
+                let nearer = square.simd_lt(best)
+                    | (square.simd_eq(best) & s.simd_lt_u32x8(triangle, triangles));
+                if s.any_true_mask32x8(nearer) {
+                    best = pick(nearer, square, best);
+                    triangles = s.select_u32x8(nearer, triangle, triangles);
+                    far = reach(&s.as_array_f32x8(best), slack);
+                }
+                far
+            },
+            first,
+            usize::MAX,
+        );
+        s.as_array_u32x8(triangles)
+    }
+}
+
+/// The square of the largest distance, and a little more.
+#[inline(always)]
+fn reach(squares: &[f32; LANES], slack: f32) -> f32 {
+    let far = squares.iter().fold(0.0, |far, square| greater(*square, far)).sqrt() + slack;
+    far * far
+}
+
 /// The triangle, or, if it is a diagonal sliver with a mostly empty box, its pieces: halves across the longest side.
 fn pieces(corners: [Vec3; 3], halvings: u32, each: &mut impl FnMut([Vec3; 3])) {
     let [a, b, c] = corners;
@@ -523,7 +585,7 @@ fn halves<'a>(items: &[Item], order: &'a mut [Entry]) -> (&'a mut [Entry], &'a m
 }
 
 /// The larger of two numbers, the second if one is NaN: one instruction, where `f32::max` also tests for NaN.
-#[inline]
+#[inline(always)]
 fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
@@ -536,7 +598,7 @@ fn lesser(a: f32, b: f32) -> f32 {
 
 impl Node {
     /// Squared distance of each child from a point.
-    #[inline]
+    #[inline(always)]
     fn squares(&self, p: Vec3) -> Each {
         let mut squares = [0.0; WIDE];
         for axis in 0..3 {
