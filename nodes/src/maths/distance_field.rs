@@ -693,7 +693,9 @@ mod tests {
         field.depth(&surface, Vec3::Y * 6.0);
         // The eight bricks of a block are pointers but for one, and of its 125 samples the corners of a cell are known.
         let brick = size_of::<Near>() + size_of::<Brick>();
-        // Near the skin each of its cells may list what is near it; at a pole that is too much to list.
+        assert_eq!((field.bytes(), field.listed()), (empty + brick, [0, 0]));
+        // A cell in which closest points are asked for lists what is near it; at a pole that is too much to list.
+        assert_eq!(field.closest(&surface, Vec3::Y * 6.0), None);
         assert_eq!(field.listed(), [1, 0]);
         let lists = size_of::<[OnceLock<Nearby>; BRICK_CELLS]>();
         assert_eq!(field.bytes(), empty + brick + lists);
