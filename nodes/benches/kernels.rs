@@ -42,10 +42,13 @@ const IN_LANES: &[(&str, &[(&str, &str)], f64)] = &[
     ("stray", &[], 65.0),
     ("set_width", &[], 12.0),
 ];
+/// The same for a question of the distance field that finds a cell to be sampled, more often than not.
+const FIELD: f64 = 9999.0;
 
-/// Times each node on one thread, with single numbers and in the widest lanes in turn. Exits with 1 if a node takes too long.
+/// Times each node and the distance field on one thread, with single numbers and in the widest lanes in turn. Exits with 1 where one
+/// takes too long.
 fn lanes() {
-    let (curves, mut slow) = (strands(20_000), vec![]);
+    let curves = strands(20_000);
     let least = |of: &mut dyn FnMut() -> usize| {
         let began = std::time::Instant::now();
         let points = of();
@@ -61,28 +64,38 @@ fn lanes() {
         }));
     }
     println!("copying a point: {copy:.2} ns");
+    let mut slow = vec![];
+    let mut hold = |name: String, most: f64, of: &mut dyn FnMut() -> usize| {
+        let mut ns = [f64::INFINITY; 2];
+        for _ in 0..7 {
+            for (single, ns) in [true, false].into_iter().zip(&mut ns) {
+                use_single_numbers(single);
+                *ns = ns.min(least(of));
+            }
+        }
+        let [one, eight] = ns;
+        let copies = eight / copy;
+        println!("{name}: {one:.0} ns a point, in lanes {eight:.0}, {copies:.0} x copying");
+        if copies > most {
+            slow.push(name);
+        }
+    };
     for (kind, words, most) in IN_LANES {
         let mut set: Vec<(&str, Value)> = vec![("curves", curves.clone().into())];
         set.extend(words.iter().map(|(name, word)| (*name, Value::from(*word))));
         if *kind == "stray" {
             set.push(("share", Value::Float(1.0)));
         }
-        let mut ns = [f64::INFINITY; 2];
-        for _ in 0..7 {
-            for (single, ns) in [true, false].into_iter().zip(&mut ns) {
-                use_single_numbers(single);
-                *ns = ns.min(least(&mut || black_box(run(kind, &set, &Alone)).point_count()));
-            }
-        }
-        let [one, eight] = ns;
-        println!(
-            "{kind} {words:?}: {one:.0} ns a point, in lanes {eight:.0}, {:.0} x copying",
-            eight / copy
-        );
-        if eight > copy * most {
-            slow.push(*kind);
-        }
+        hold(format!("{kind} {words:?}"), *most, &mut || {
+            black_box(run(kind, &set, &Alone)).point_count()
+        });
     }
+    let (surface, asked) = over_a_head();
+    hold("cells of the distance field".to_owned(), FIELD, &mut || {
+        let field = DistanceField::new(&surface);
+        asked.iter().for_each(|p| _ = black_box(field.depth(&surface, *p)));
+        asked.len()
+    });
     if !slow.is_empty() {
         println!("over the limit: {}", slow.join(", "));
         std::process::exit(1);
@@ -348,17 +361,22 @@ fn g_chain(bencher: Bencher, n: usize) {
     });
 }
 
-/// What a full head of hair needs of the field: lookups all over the upper half, up to 1 cm over the skin.
-#[divan::bench(sample_count = 5)]
-fn h_distance_field_of_25_000_triangles(bencher: Bencher) {
+/// A head of 25,000 triangles, and places all over its upper half, up to 1 cm over the skin.
+fn over_a_head() -> (Surface, Vec<Vec3>) {
     let surface = bumpy_ball(112);
     let dice = Dice::new(0, 0, "field");
-    let asked: Vec<Vec3> = (0..40_000)
-        .map(|i| {
-            let p = surface.points[dice.below(i, 0, surface.points.len() as u32) as usize];
-            Vec3::new(p.x, p.y.abs(), p.z) * (1.0 + dice.unit(i, 1) / 9.0)
-        })
-        .collect();
+    let at = |i: u64| {
+        let p = surface.points[dice.below(i, 0, surface.points.len() as u32) as usize];
+        Vec3::new(p.x, p.y.abs(), p.z) * (1.0 + dice.unit(i, 1) / 9.0)
+    };
+    let asked = (0..40_000).map(at).collect();
+    (surface, asked)
+}
+
+/// What a full head of hair needs of the field.
+#[divan::bench(sample_count = 5)]
+fn h_distance_field_of_25_000_triangles(bencher: Bencher) {
+    let (surface, asked) = over_a_head();
     bencher.bench(|| {
         let field = DistanceField::new(&surface);
         let near = |p: &Vec3| matches!(field.depth(&surface, *p), Depth::Near(..));

@@ -10,7 +10,8 @@
 //! results for a line that does not divide the piece of mesh it lies on; this is reported ([`Outline::is_torn`]).
 
 use super::links::{Links, NONE, edge};
-use crate::maths::closest::{Hit, Surface, closest_on_triangle};
+use crate::maths::closest::{Hit, Surface};
+use crate::maths::triangle::closest_on_triangle;
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};

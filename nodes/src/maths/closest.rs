@@ -5,7 +5,9 @@
 //! weighted pseudonormal"): exact for closed surfaces, and right near the surface of open ones. Far behind a hole the side is
 //! undefined.
 
-use super::lanes::{LANES, Simd, Vec3x8, f32x8, ops::*, pick};
+use super::lanes::LANES;
+use super::mesh_normals::MeshNormals;
+use super::triangle::{closest_on_triangle, ray_triangle};
 use super::triangle_tree::{Nearby, Nearest, TriangleTree};
 use glam::{Vec2, Vec3};
 
@@ -46,37 +48,9 @@ const NONE: Nearest = (f32::MAX, u32::MAX, Vec2::ZERO, Vec3::ZERO);
 impl Surface {
     /// Builds normals and tree. Triangles must refer to existing points.
     pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
-        let mut normals = vec![Vec3::ZERO; points.len()];
-        let mut faces = Vec::with_capacity(triangles.len());
-        for t in &triangles {
-            let [a, b, c] = corners(t);
-            let normal = (b - a).cross(c - a).try_normalize();
-            faces.push(normal.unwrap_or_default());
-            let Some(normal) = normal else { continue };
-            for (i, (at, next, last)) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
-                let angle = super::transcendental::acos(
-                    (next - at).normalize_or_zero().dot((last - at).normalize_or_zero()),
-                );
-                normals[t[i] as usize] += normal * angle;
-            }
-        }
-        for normal in &mut normals {
-            *normal = normal.normalize_or_zero();
-        }
-        let mut edge_normals = vec![[Vec3::ZERO; 3]; triangles.len()];
-        let mut ends = vec![false; points.len()];
-        each_edge(points.len(), &triangles, |(a, b), same| {
-            let sum = same.iter().fold(Vec3::ZERO, |sum, (_, n)| sum + faces[*n as usize / 3]);
-            if let [_] = same {
-                (ends[a as usize], ends[b as usize]) = (true, true);
-            }
-            for (_, n) in same {
-                edge_normals[*n as usize / 3][*n as usize % 3] = sum;
-            }
-        });
+        let MeshNormals { vertices: normals, edges: edge_normals, ends } =
+            MeshNormals::of(&points, &triangles);
         let tree = tree(&points, &triangles, |_| true);
-        let ends = ends.into_iter().filter(|is| *is).count();
         Self { points, triangles, normals, edge_normals, ends, tree, gone: vec![] }
     }
 
@@ -163,6 +137,10 @@ impl Surface {
         let found = self.tree.nearest_each(points, (middle, radius), (near, self.corners(near)));
         std::array::from_fn(|lane| {
             let (d2, triangle, bary, point) = self.at_nearest(points[lane], found[lane]);
+            // (Triangles of enormous size have no distance.)
+            if !d2.is_finite() {
+                return self.closest_from(points[lane], near);
+            }
             Some(Hit { triangle, bary, point, distance: d2.sqrt() })
         })
     }
@@ -400,139 +378,6 @@ fn tree(points: &[Vec3], triangles: &[[u32; 3]], stays: impl Fn(usize) -> bool) 
     TriangleTree::new(numbered.map(|(t, n)| (n, t.map(|v| points[v as usize]))))
 }
 
-/// Calls a function for each edge and the sides of triangles along it: with its second vertex, and their indices among all sides,
-/// ascending.
-fn each_edge(
-    points: usize,
-    triangles: &[[u32; 3]],
-    mut tell: impl FnMut((u32, u32), &[(u32, u32)]),
-) {
-    let sides = || {
-        (0u32..).zip(triangles).flat_map(|(n, t)| {
-            [0, 1, 2].map(|i| {
-                let (a, b) = (t[i], t[(i + 1) % 3]);
-                (a.min(b), a.max(b), 3 * n + i as u32)
-            })
-        })
-    };
-    // Counting sort by first vertex, at a fraction of the cost of a full sort.
-    let mut ends = vec![0u32; points + 1];
-    sides().for_each(|(a, ..)| ends[a as usize + 1] += 1);
-    for a in 1..ends.len() {
-        ends[a] += ends[a - 1];
-    }
-    let mut by_first = vec![(0, 0); 3 * triangles.len()];
-    for (a, b, n) in sides() {
-        let end = &mut ends[a as usize];
-        by_first[*end as usize] = (b, n);
-        *end += 1;
-    }
-    let mut start = 0;
-    for (a, end) in (0u32..).zip(&ends[..points]) {
-        let of_vertex = &mut by_first[start..*end as usize];
-        start = *end as usize;
-        of_vertex.sort_unstable();
-        of_vertex.chunk_by(|x, y| x.0 == y.0).for_each(|same| tell((a, same[0].0), same));
-    }
-}
-
-/// Closest point of a triangle (Ericson 2005, "Real-time collision detection", 5.1.5), as the weights of its second and third
-/// corner.
-#[inline]
-pub fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec2, Vec3) {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return (Vec2::ZERO, a);
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return (Vec2::X, b);
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        let v = if d1 > d3 { d1 / (d1 - d3) } else { 0.0 };
-        return (Vec2::new(v, 0.0), a + ab * v);
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return (Vec2::Y, c);
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        let w = if d2 > d6 { d2 / (d2 - d6) } else { 0.0 };
-        return (Vec2::new(0.0, w), a + ac * w);
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        let sum = (d4 - d3) + (d5 - d6);
-        let w = if sum > 0.0 { (d4 - d3) / sum } else { 0.0 };
-        return (Vec2::new(1.0 - w, w), b + (c - b) * w);
-    }
-    let scale = 1.0 / (va + vb + vc);
-    if !scale.is_finite() {
-        return (Vec2::ZERO, a);
-    }
-    let (v, w) = (vb * scale, vc * scale);
-    (Vec2::new(v, w), a + ab * v + ac * w)
-}
-
-/// The squared distances of eight points from what [`closest_on_triangle`] finds, to the bit.
-#[inline(always)]
-pub(super) fn squares_to_triangle<S: Simd>(p: Vec3x8<S>, [a, b, c]: [Vec3; 3]) -> f32x8<S> {
-    let s = p.x.simd;
-    let (ab, ac, bc) = (Vec3x8::splat(s, b - a), Vec3x8::splat(s, c - a), Vec3x8::splat(s, c - b));
-    let (a, b, c) = (Vec3x8::splat(s, a), Vec3x8::splat(s, b), Vec3x8::splat(s, c));
-    let (ap, bp, cp) = (p - a, p - b, p - c);
-    let (d1, d2, d3, d4) = (ab.dot(ap), ac.dot(ap), ab.dot(bp), ac.dot(bp));
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    // The first case that holds counts: the last comes first.
-    let scale = 1.0 / (va + vb + vc);
-    let inside = a + ab * (vb * scale) + ac * (vc * scale);
-    let point = Vec3x8::pick(scale.abs().simd_lt(f32::INFINITY), inside, a);
-    let (before, after) = (d4 - d3, d5 - d6);
-    let is = va.simd_le(0.0) & before.simd_ge(0.0) & after.simd_ge(0.0);
-    let point = Vec3x8::pick(is, b + bc * share(before, before + after), point);
-    let is = vb.simd_le(0.0) & d2.simd_ge(0.0) & d6.simd_le(0.0);
-    let point = Vec3x8::pick(is, a + ac * share(d2, d2 - d6), point);
-    let point = Vec3x8::pick(d6.simd_ge(0.0) & d5.simd_le(d6), c, point);
-    let is = vc.simd_le(0.0) & d1.simd_ge(0.0) & d3.simd_le(0.0);
-    let point = Vec3x8::pick(is, a + ab * share(d1, d1 - d3), point);
-    let point = Vec3x8::pick(d3.simd_ge(0.0) & d4.simd_le(d3), b, point);
-    let point = Vec3x8::pick(d1.simd_le(0.0) & d2.simd_le(0.0), a, point);
-    let off = point - p;
-    off.dot(off)
-}
-
-/// `part / whole`, 0 where `whole` is not positive.
-#[inline(always)]
-fn share<S: Simd>(part: f32x8<S>, whole: f32x8<S>) -> f32x8<S> {
-    pick(whole.simd_gt(0.0), part / whole, part.simd.splat_f32x8(0.0))
-}
-
-/// Moeller and Trumbore 1997, two-sided.
-pub(super) fn ray_triangle(
-    origin: Vec3,
-    direction: Vec3,
-    [a, b, c]: [Vec3; 3],
-) -> Option<(f32, Vec2)> {
-    let (ab, ac) = (b - a, c - a);
-    let h = direction.cross(ac);
-    let det = ab.dot(h);
-    if det == 0.0 {
-        return None;
-    }
-    let s = (origin - a) / det;
-    let u = s.dot(h);
-    let q = s.cross(ab);
-    let v = direction.dot(q);
-    let t = ac.dot(q);
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0).then_some((t, Vec2::new(u, v)))
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -603,7 +448,14 @@ pub(crate) mod tests {
         let mut triangles: Vec<[u32; 3]> =
             (0..300).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
         triangles.extend_from_within(..100);
-        for surface in [sphere(2.0, 12), Surface::new(strewn, triangles)] {
+        let mut enormous = strewn.clone();
+        enormous.iter_mut().step_by(40).for_each(|p| *p *= 1e25);
+        let surfaces = [
+            sphere(2.0, 12),
+            Surface::new(strewn, triangles.clone()),
+            Surface::new(enormous, triangles),
+        ];
+        for surface in surfaces {
             for id in 0..300 {
                 let middle = Vec3::from([0, 1, 2].map(|axis| 3.0 * dice.signed(id, 10 + axis)));
                 let radius = [0.01, 0.3, 2.0][id as usize % 3];
@@ -617,7 +469,7 @@ pub(crate) mod tests {
                     }
                 });
                 let near = (id * 7 % surface.triangles.len() as u64) as u32;
-                let alone = points.map(|p| surface.closest(p));
+                let alone = points.map(|p| surface.closest_from(p, near));
                 let together =
                     in_each_width(|| surface.closest_of_each(&points, (middle, radius), near));
                 assert!(

@@ -13,12 +13,16 @@
 //! touch, 0.4 s for 500 guides, most of it for cells that were never used, and seconds for thin fur on a large mesh, where each
 //! hair has its own blocks.
 
+use super::brick::{
+    BRICK, BRICK_CELLS, Brick, CORNERS, FAR_OFF, MORE, OFF, SIDE, UNKNOWN, UNMADE, cell_at,
+    sample_at,
+};
 use super::closest::{Hit, Surface};
 use super::lanes::LANES;
 use super::triangle_tree::Nearby;
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU16, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU16, Ordering};
 
 /// Distance between samples, cm. Doubled as often as needed for a mesh of more than `MOST_BLOCKS`.
 pub const CELL: f32 = 0.2;
@@ -28,12 +32,6 @@ const HALF_DIAGONAL: f32 = 0.87;
 const BAND_CELLS: f32 = 5.0;
 /// Cells along the edge of a block.
 const BLOCK: i32 = 8;
-/// Cells along the edge of a brick; a block has eight bricks.
-const BRICK: i32 = 4;
-const BRICK_CELLS: usize = (BRICK * BRICK * BRICK) as usize;
-/// Samples along the edge of a brick, both faces included.
-const SIDE: usize = BRICK as usize + 1;
-const SAMPLES: usize = SIDE * SIDE * SIDE;
 /// Largest number of blocks in a field's bounds: 200,000 cover a figure of 1.8 x 1 x 0.4 m at 2 mm. The table of blocks then
 /// takes 5 MB; only queried blocks take more.
 const MOST_BLOCKS: f32 = 200_000.0;
@@ -91,74 +89,6 @@ enum Place<'a> {
 #[inline]
 fn which(i: IVec3) -> usize {
     ((i.z & 4) | ((i.y & 4) >> 1) | ((i.x & 4) >> 2)) as usize
-}
-
-/// Index of a brick's sample at this offset from its lowest corner, in cells.
-#[inline]
-fn sample_at(cells: IVec3) -> usize {
-    let [x, y, z] = cells.to_array().map(|k| k as usize);
-    (z * SIDE + y) * SIDE + x
-}
-
-/// Index of a cell in its brick.
-#[inline]
-fn cell_at(i: IVec3) -> usize {
-    let [x, y, z] = (i & (BRICK - 1)).to_array().map(|k| k as usize);
-    (z * BRICK as usize + y) * BRICK as usize + x
-}
-
-/// A part of a block, small so that a lookup touches little memory. Samples are computed on first use; two threads that compute
-/// the same one get the same value.
-struct Brick {
-    /// Distances, as bits; [`UNKNOWN`] until computed.
-    samples: [AtomicU32; SAMPLES],
-    /// For each cell, what the distance at its centre says of those interpolated there, as two bytes: by how much it is farther off than
-    /// they say, in steps of [`MORE`] cells, and how far off it is, in steps of [`OFF`] cells, [`FAR_OFF`] if that is more or was not
-    /// looked at. [`UNMADE`] until its corners are sampled.
-    centres: [AtomicU16; BRICK_CELLS],
-    /// Start of a search here: the triangle found last. It affects how long a search takes, never its result.
-    near: AtomicU32,
-    /// For each cell in which closest points were asked for, the triangles near it.
-    nearby: OnceLock<Box<[OnceLock<Nearby>; BRICK_CELLS]>>,
-}
-
-/// Bits that are no distance.
-const UNKNOWN: u32 = u32::MAX;
-const UNMADE: u16 = u16::MAX;
-/// Steps of what is stored of a cell's centre, in cells.
-const MORE: f32 = 1.0 / 32.0;
-const OFF: f32 = 1.0 / 512.0;
-const FAR_OFF: u8 = u8::MAX;
-
-/// Offsets of the samples at a cell's corners from the lowest, each next to the previous one.
-const CORNERS: [(usize, [f32; 3]); 8] = {
-    const Y: usize = SIDE;
-    const Z: usize = SIDE * SIDE;
-    [
-        (0, [0.0, 0.0, 0.0]),
-        (1, [1.0, 0.0, 0.0]),
-        (1 + Y, [1.0, 1.0, 0.0]),
-        (Y, [0.0, 1.0, 0.0]),
-        (Y + Z, [0.0, 1.0, 1.0]),
-        (1 + Y + Z, [1.0, 1.0, 1.0]),
-        (1 + Z, [1.0, 0.0, 1.0]),
-        (Z, [0.0, 0.0, 1.0]),
-    ]
-};
-
-impl Brick {
-    fn new(near: u32) -> Box<Self> {
-        Box::new(Self {
-            samples: [const { AtomicU32::new(UNKNOWN) }; SAMPLES],
-            centres: [const { AtomicU16::new(UNMADE) }; BRICK_CELLS],
-            near: AtomicU32::new(near),
-            nearby: OnceLock::new(),
-        })
-    }
-
-    fn sample(&self, at: usize) -> f32 {
-        f32::from_bits(self.samples[at].load(Ordering::Relaxed))
-    }
 }
 
 impl DistanceField {
@@ -394,8 +324,8 @@ impl DistanceField {
         corner: usize,
         centre: &AtomicU16,
     ) -> u16 {
-        let low = i.as_vec3();
         const CENTRE: Vec3 = Vec3::splat(0.5);
+        let low = i.as_vec3();
         let at = |off: Vec3| self.lowest + (low + off) * self.cell;
         // All at once: the missing corners, and the centre where there is room.
         let (mut samples, mut points, mut count) = ([0; LANES], [at(CENTRE); LANES], 0);

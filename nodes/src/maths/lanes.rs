@@ -1,7 +1,8 @@
 //! Eight numbers at a time: lane `i` of every value belongs to hair `i` of a bundle.
 //!
 //! Kernels are written once, against `fearless_simd`, and compiled for each instruction set: on x86-64 for eight numbers (AVX2) and
-//! for single ones, in tests also for four (SSE 4.2), elsewhere for what the machine has. The widest set that the machine supports is chosen at run time.
+//! for single ones, in tests also for four (SSE 4.2), elsewhere for what the machine has. The widest set that the machine supports is
+//! chosen at run time.
 //!
 //! Guarantees: every width gives the same bits, because sums, products, quotients and square roots are rounded alike in each. Nothing is
 //! fused (`mul_add`), estimated (`recip`) or left to the machine (`min` and `max` of -0 and NaN, whole numbers out of range).

@@ -4,6 +4,7 @@
 //! depends on thread order.
 
 pub mod box_tree;
+mod brick;
 pub mod catmull_rom_agreement;
 pub mod closest;
 pub mod distance_field;
@@ -13,12 +14,14 @@ pub mod hair_colour;
 pub mod hash;
 pub mod lanes;
 pub mod low_discrepancy;
+mod mesh_normals;
 pub mod nearest;
 pub(crate) mod polyline;
 pub mod rail;
 pub(crate) mod random_walk;
 pub mod spline;
 pub mod transcendental;
+pub(crate) mod triangle;
 mod triangle_tree;
 
 use glam::Vec3;

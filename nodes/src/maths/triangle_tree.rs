@@ -8,6 +8,7 @@
 //! same everywhere, but may lie farther off than the nearest.
 
 use super::lanes::{Eight, InLanes, LANES, Simd, Vec3x8, in_lanes, ops::*, pick};
+use super::triangle::{closest_on_triangle, is_airy, pieces, ray_triangle, squares_to_triangle};
 use glam::{Vec2, Vec3};
 use std::cell::RefCell;
 
@@ -22,10 +23,7 @@ const NONE: u32 = u32::MAX;
 /// Rounding of a distance, relative to the largest coordinate.
 const ROUNDING: f32 = 1e-6;
 
-/// A triangle is halved if its box has more than this multiple of its area on three faces; equilateral triangles have at most 5
-/// ...
-const AIRY: f32 = 16.0;
-/// ... up to this many times, and in total into no more than this many additional pieces.
+/// Triangles whose boxes are mostly empty are halved up to this many times, and in total into no more than this many additional pieces.
 const HALVINGS: u32 = 4;
 const MOST_PIECES: usize = 400_000;
 
@@ -130,7 +128,7 @@ impl TriangleTree {
             let mut best = f32::MAX;
             let mut leaf = |_: u32, leaf: &Leaf| {
                 look();
-                let (_, point) = super::closest::closest_on_triangle(p, leaf.corners);
+                let (_, point) = closest_on_triangle(p, leaf.corners);
                 best = best.min(point.distance_squared(p));
                 best
             };
@@ -144,7 +142,7 @@ impl TriangleTree {
             let look = RefCell::new(look);
             self.first(p, out, OPEN, |corners| {
                 look.borrow_mut()();
-                super::closest::ray_triangle(p, out, corners)
+                ray_triangle(p, out, corners)
             });
         })
     }
@@ -231,7 +229,7 @@ impl TriangleTree {
         self.walk(
             |node| node.squares(p),
             |_, leaf| {
-                let (bary, point) = super::closest::closest_on_triangle(p, leaf.corners);
+                let (bary, point) = closest_on_triangle(p, leaf.corners);
                 let square = point.distance_squared(p);
                 let nearer = square < best.0 || (square == best.0 && leaf.triangle < best.1);
                 if square <= limit && nearer {
@@ -269,7 +267,7 @@ impl TriangleTree {
         self.walk(
             |node| node.squares(middle),
             |at, leaf| {
-                let (_, point) = super::closest::closest_on_triangle(middle, leaf.corners);
+                let (_, point) = closest_on_triangle(middle, leaf.corners);
                 let far = point.distance(middle);
                 nearest = nearest.min(far);
                 found.push((far, at));
@@ -299,7 +297,7 @@ impl TriangleTree {
                 break;
             }
             let leaf = &self.leaves[*leaf as usize];
-            let (bary, point) = super::closest::closest_on_triangle(p, leaf.corners);
+            let (bary, point) = closest_on_triangle(p, leaf.corners);
             let square = point.distance_squared(p);
             if square < best.0 || (square == best.0 && leaf.triangle < best.1) {
                 best = (square, leaf.triangle, bary, point);
@@ -448,7 +446,7 @@ impl TriangleTree {
             },
             |_, leaf| {
                 leaves += 1;
-                let (_, point) = super::closest::closest_on_triangle(p, leaf.corners);
+                let (_, point) = closest_on_triangle(p, leaf.corners);
                 best = best.min(point.distance_squared(p));
                 best
             },
@@ -475,7 +473,7 @@ impl InLanes for NearestEach<'_> {
         let Self { tree, points, ball: (middle, radius), near: (near, corners) } = self;
         let columns = [0, 1, 2].map(|axis| Eight(std::array::from_fn(|k| points[k][axis])));
         let p = Vec3x8::load(s, &columns);
-        let mut best = super::closest::squares_to_triangle(p, corners);
+        let mut best = squares_to_triangle(p, corners);
         let mut triangles = s.splat_u32x8(near);
         let slack = radius + 2.0 * tree.rounding(middle.abs() + radius);
         let first = reach(&s.as_array_f32x8(best), slack);
@@ -484,7 +482,7 @@ impl InLanes for NearestEach<'_> {
             |node| node.squares(middle),
             #[inline(always)]
             |_, leaf| {
-                let square = super::closest::squares_to_triangle(p, leaf.corners);
+                let square = squares_to_triangle(p, leaf.corners);
                 let triangle = s.splat_u32x8(leaf.triangle);
                 let nearer = square.simd_lt(best)
                     | (square.simd_eq(best) & s.simd_lt_u32x8(triangle, triangles));
@@ -507,28 +505,6 @@ impl InLanes for NearestEach<'_> {
 fn reach(squares: &[f32; LANES], slack: f32) -> f32 {
     let far = squares.iter().fold(0.0, |far, square| greater(*square, far)).sqrt() + slack;
     far * far
-}
-
-/// The triangle, or, if it is a diagonal sliver with a mostly empty box, its pieces: halves across the longest side.
-fn pieces(corners: [Vec3; 3], halvings: u32, each: &mut impl FnMut([Vec3; 3])) {
-    let [a, b, c] = corners;
-    if halvings == 0 || !is_airy(corners) {
-        return each(corners);
-    }
-    let long = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
-    let k = (0..3).fold(0, |best, k| if long[k] > long[best] { k } else { best });
-    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
-    let middle = 0.5 * a + 0.5 * b;
-    pieces([a, middle, c], halvings - 1, each);
-    pieces([middle, b, c], halvings - 1, each);
-}
-
-/// Whether most of a triangle's box is empty.
-fn is_airy([a, b, c]: [Vec3; 3]) -> bool {
-    let size = a.max(b).max(c) - a.min(b).min(c);
-    let sides = size.x * size.y + size.y * size.z + size.z * size.x;
-    let area = 0.5 * (b - a).cross(c - a).length();
-    sides > AIRY * area
 }
 
 /// Inverse of a ray's direction along an axis: finite, so that a ray in the face of a box is in the box.
