@@ -168,9 +168,9 @@ pub struct Gesture {
     pub path: Vec<Vec3>,
     /// Colour of an implant, linear Rec.709. `None`: the default colour.
     pub colour: Option<Vec3>,
-    /// Radius of a brush, pixels; 0: the node's own, or for a scatter, the stroke only.
+    /// Radius of a brush or comb, pixels; 0: the node's own, for a scatter the stroke only, and for a comb the paper's.
     pub size: f32,
-    /// Strength of a brush or comb, relative to its default.
+    /// Strength of a brush, relative to its default; of a comb, how far hair goes along with the pen: 1 all the way.
     pub strength: f32,
 }
 

@@ -33,7 +33,7 @@ pub(super) fn brush(hand: &GestureContext, sketch: &mut SketchState) {
 }
 
 /// 1 under the centre of the brush, 0 at its edge, flat at both.
-fn falloff(off: f32, size: f32) -> f32 {
+pub(super) fn falloff(off: f32, size: f32) -> f32 {
     smoothstep(1.0 - off / size)
 }
 

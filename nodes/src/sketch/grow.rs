@@ -1,23 +1,26 @@
 //! Implant, silhouette and lengthen: a stroke in the picture becomes a curve in space (the paper's 4.1 and 4.2).
 //!
 //! A picture does not show the depth of a stroke. If nearby curves run in a similar direction in the picture, the
-//! stroke takes their mean slope in depth; otherwise it stays at constant depth.
+//! stroke takes their mean slope in depth; otherwise it stays at the depth where it began. Where the skin is in the way, it
+//! passes before it.
 //!
-//! Guarantees: segments have the length set on the node, adjusted to come out even; the curve starts on the head or at
-//! the old tip, and none of its other CVs lies below the skin; an implant replaces curves whose root disc contains its
-//! root. Once drawn (with a stored root), it replaces the curves it names and no others, so that none is lost on a head
-//! where roots are closer together.
+//! Guarantees: a curve is where the stroke was drawn, within 3 pixels of the picture: it is brought out of the skin along the line
+//! of sight, never aside. Segments have the length set on the node, adjusted to come out even, and shorter where the stroke
+//! bends too sharply for that. The curve starts on the head or at the old tip, and none of its other CVs lies below the skin; an
+//! implant replaces curves whose root disc contains its root. Once drawn (with a stored root), it replaces the curves it names
+//! and no others, so that none is lost on a head where roots are closer together.
 
-use super::hand::{GestureContext, SketchState};
+use super::hand::{GestureContext, SketchState, off_piece};
 use super::lock::{Implanted, Lock};
 use super::relax::{CLEARANCE, Rest};
-use super::seen::steps;
 use super::silhouette::MedialLine;
+use super::stroke_shape::resampled;
 use crate::data::gestures::RootFrame;
 use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
 use crate::maths::polyline::Polyline;
+use crate::maths::spline::Spline;
 use crate::maths::transcendental::atan2;
 use glam::{Vec2, Vec3};
 
@@ -27,8 +30,21 @@ const STEEPEST: f32 = 2.5;
 const SHOWS: f32 = 0.35;
 /// Differences below this (cm) near the skin are rounding.
 const NOTHING: f32 = 1e-3;
-/// Rounds of smoothing turns wider than 60 degrees.
-const ROUNDS: usize = 4;
+/// Steps in which a stroke is led over the head, pixels.
+const FINE: f32 = 3.0;
+/// Rounds of taking the tremor out of them; a right angle is cut by less than 2 pixels.
+const ROUNDS: usize = 2;
+/// A stroke that begins beside its curve has joined it after this many times their distance.
+const JOINS: f32 = 3.0;
+/// Slopes with which a stroke meets skin that stands out, such as an ear, and goes back behind it: depth by length in the
+/// picture.
+const MEETS: f32 = 2.5;
+const RETURNS: f32 = 1.0;
+/// How far a curve may be from the stroke in the picture (pixels), and cut into what it passes over (cm).
+const ASIDE: f32 = 1.0;
+const DEEP: f32 = 0.1;
+/// The most segments that a stroke gets for that.
+const MOST_BENT: usize = 256;
 
 pub(super) fn implant(hand: &GestureContext, sketch: &mut SketchState) {
     plant(hand, sketch, &hand.line(), |_| vec![hand.set.radius]);
@@ -64,12 +80,7 @@ fn plant(
         },
     };
     let points = match hand.gesture.path.is_empty() {
-        true => {
-            let drawn = stroke(hand, sketch, line, root.point, u64::MAX);
-            let mut points = even(hand, root.point, drawn);
-            clear(hand, &mut points, 0);
-            points
-        }
+        true => stroke(hand, sketch, line, root.point, u64::MAX),
         false => {
             let own = RootFrame::at(hand.scalp, &root);
             let path = hand.gesture.path.iter().map(|p| own.world(*p));
@@ -115,12 +126,7 @@ pub(super) fn lengthen(hand: &GestureContext, sketch: &mut SketchState) {
         let (tip, last) = (lock.tip(), lock.points.len() - 1);
         let mut points = lock.points.clone();
         match hand.gesture.path.is_empty() {
-            true => {
-                let more = even(hand, tip, stroke(hand, sketch, &hand.line(), tip, lock.id));
-                points.extend(&more[1..]);
-                let lengths = points.windows(2).map(|w| w[0].distance(w[1])).collect();
-                Rest::new(lengths, last).relax(&mut points, &hand.skin);
-            }
+            true => points.extend(&stroke(hand, sketch, &hand.line(), tip, lock.id)[1..]),
             false => {
                 let own = onward(hand.scalp.frame(), &lock.points);
                 points.extend(hand.gesture.path.iter().map(|p| own.world(*p)));
@@ -137,7 +143,7 @@ pub(super) fn lengthen(hand: &GestureContext, sketch: &mut SketchState) {
     }
 }
 
-/// The stroke in space from `start`, as if it had been drawn from there.
+/// The CVs of a curve that begins at `start` and runs where the stroke was drawn.
 pub(super) fn stroke(
     hand: &GestureContext,
     sketch: &SketchState,
@@ -145,22 +151,108 @@ pub(super) fn stroke(
     start: Vec3,
     own: u64,
 ) -> Vec<Vec3> {
-    let seen = &hand.seen;
-    let Some(first) = seen.pixel(start) else { return vec![start] };
-    let mut depth = seen.depth(start);
-    let step = (hand.set.segment / seen.cm_per_pixel(depth)).max(2.0);
-    let shift = first - line[0];
-    let line: Vec<Vec2> = steps(line, step).into_iter().map(|p| p + shift).collect();
-    let mut points = vec![start];
-    for pair in line.windows(2) {
-        let way = pair[1] - pair[0];
-        let at = points[points.len() - 1];
-        let slope = slope(hand, sketch, at, way, own).unwrap_or(0.0);
-        depth += slope * way.length() * seen.cm_per_pixel(depth);
-        depth = depth.max(0.2);
-        points.push(seen.at(pair[1], depth));
+    let Some(first) = hand.seen.pixel(start) else { return vec![start] };
+    let flat = begun_at(line, first);
+    if flat.len() < 2 {
+        return vec![start];
+    }
+    let depths = depths(hand, sketch, &flat, start, own);
+    let mut drawn: Vec<Vec3> =
+        flat.iter().zip(&depths).map(|(p, d)| hand.seen.at(*p, *d)).collect();
+    drawn[0] = start;
+    let drawn = Polyline::new(drawn);
+    let mut count = (drawn.length() / hand.set.segment).round().clamp(1.0, 4096.0) as usize;
+    while count < MOST_BENT && !follows(hand, &drawn, count) {
+        count = (count + count.div_ceil(2)).min(MOST_BENT);
+    }
+    let mut points = drawn.evenly(count + 1);
+    for p in &mut points[1..] {
+        if let Some(at) = hand.seen.pixel(*p) {
+            *p = hand.seen.at(at, hand.out_of_skin(at, hand.seen.depth(*p), CLEARANCE));
+        }
     }
     points
+}
+
+/// The stroke in fine steps without its tremor, from another first point; what lies between is led from one to the other.
+fn begun_at(line: &[Vec2], first: Vec2) -> Vec<Vec2> {
+    let mut fine = resampled(line, FINE);
+    fine.extend(line.last().filter(|last| fine.last().is_none_or(|p| p.distance(**last) > 0.1)));
+    for _ in 0..ROUNDS {
+        let before = fine.clone();
+        for (p, w) in fine.iter_mut().skip(1).zip(before.windows(3)) {
+            *p = (w[0] + w[1] * 2.0 + w[2]) * 0.25;
+        }
+    }
+    let shift = first - line[0];
+    let whole = FINE * (fine.len() - 1) as f32;
+    let joined = (JOINS * shift.length()).min(whole).max(1e-3);
+    for (k, p) in fine.iter_mut().enumerate() {
+        *p += shift * (1.0 - FINE * k as f32 / joined).max(0.0);
+    }
+    fine
+}
+
+/// The depth at each fine step of a stroke from `start`, cm.
+fn depths(
+    hand: &GestureContext,
+    sketch: &SketchState,
+    flat: &[Vec2],
+    start: Vec3,
+    own: u64,
+) -> Vec<f32> {
+    let seen = &hand.seen;
+    let mut level = seen.depth(start);
+    // What begins behind the head stays there.
+    let hidden = !seen.sees(hand.scalp, start);
+    let piece = (hand.set.segment / seen.cm_per_pixel(level) / FINE).max(1.0) as usize;
+    let cm = |k: usize, depth: f32| flat[k].distance(flat[k - 1]) * seen.cm_per_pixel(depth);
+    let mut depths = vec![level];
+    let mut told = None;
+    for k in 1..flat.len() {
+        let before = depths[k - 1];
+        // Neighbours tell the slope for as long as a segment is.
+        if (k - 1).is_multiple_of(piece) {
+            let way = flat[(k - 1 + piece).min(flat.len() - 1)] - flat[k - 1];
+            told = slope(hand, sketch, seen.at(flat[k - 1], before), way, own);
+        }
+        let far = cm(k, before);
+        let depth = match told {
+            Some(slope) => before + slope * far,
+            None => (before + RETURNS * far).min(level),
+        };
+        let depth = match told.is_some() || hidden {
+            true => hand.out_of_skin(flat[k], depth, CLEARANCE),
+            false => hand.before_head(flat[k], depth, CLEARANCE),
+        };
+        level = if told.is_some() { depth } else { level };
+        depths.push(depth);
+    }
+    for k in (1..flat.len() - 1).rev() {
+        let nearest = depths[k + 1] + MEETS * cm(k + 1, depths[k + 1]);
+        if depths[k] > nearest {
+            depths[k] = hand.out_of_skin(flat[k], nearest, CLEARANCE);
+        }
+    }
+    depths
+}
+
+/// Whether the curve through that many equal segments stays by a drawn line.
+fn follows(hand: &GestureContext, drawn: &Polyline, count: usize) -> bool {
+    let seen = &hand.seen;
+    let Ok(curve) = Spline::new(&drawn.evenly(count + 1)) else { return true };
+    let about = 0.25 / count as f32;
+    let mut far = 0.0;
+    drawn.points.windows(2).all(|pair| {
+        far += pair[0].distance(pair[1]);
+        let u = far / drawn.length().max(1e-12);
+        let (a, b, p) = (curve.at((u - about).max(0.0)), curve.at((u + about).min(1.0)), pair[1]);
+        let (Some(from), Some(to), Some(at)) = (seen.pixel(a), seen.pixel(b), seen.pixel(p)) else {
+            return true;
+        };
+        let (off, t) = off_piece(&[at], [from, to]);
+        off <= ASIDE && seen.depth(a.lerp(b, t)) - seen.depth(p) <= DEEP
+    })
 }
 
 /// Mean slope into the picture of curves near a position that run in a similar direction, weighted by proximity; `None`
@@ -193,25 +285,6 @@ fn slope(
         }
     }
     (weights > 0.0).then(|| (sum / weights).clamp(-STEEPEST, STEEPEST))
-}
-
-/// The stroke without sharp turns, in segments of equal length.
-pub(super) fn even(hand: &GestureContext, start: Vec3, mut points: Vec<Vec3>) -> Vec<Vec3> {
-    for _ in 0..ROUNDS {
-        for k in 1..points.len().saturating_sub(1) {
-            let (a, b) = (points[k] - points[k - 1], points[k + 1] - points[k]);
-            if a.dot(b) < 0.5 * a.length() * b.length() {
-                points[k] = points[k].lerp(0.5 * (points[k - 1] + points[k + 1]), 0.5);
-            }
-        }
-    }
-    points[0] = start;
-    if points.len() < 2 {
-        return points;
-    }
-    let line = Polyline::new(points);
-    let count = (line.length() / hand.set.segment).round().clamp(1.0, 4096.0) as usize;
-    line.evenly(count + 1)
 }
 
 /// Moves all CVs beyond `held` out of the head, keeping segment lengths.

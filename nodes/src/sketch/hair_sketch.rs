@@ -10,7 +10,7 @@
 use super::hand::{GestureContext, Settings, SketchState};
 use super::lock::Lock;
 use super::seen::Seen;
-use super::{brush, comb, cut, density, frizz, grow, pin, point, redraw, scatter, twist};
+use super::{brush, comb, cut, density, frizz, grow, pin, point, push, redraw, scatter, twist};
 use crate::data::curves::Curves;
 use crate::data::gestures::{Gesture, Gestures, Replayed, Tool};
 use crate::data::scalp::Scalp;
@@ -29,7 +29,7 @@ node! {
     /// Draw in the viewport. Without curves the sketch begins on a bare head. After other nodes, each gesture stores
     /// the ids of the curves it acts on, so edits survive more guides, another parting or another head. Wire the result
     /// to Cluster to strands.
-    "hair_sketch", version 1, label "Hair sketch",
+    "hair_sketch", version 2, label "Hair sketch",
         words "sketch pen tablet comb brush implant plant hairpin grab hand edit manual tweak sculpt points redraw strands scatter copy silhouette outline shape", scales;
     inputs {
         /// Pen gestures, in order. Draw them in the viewport; they are stored in the head frame.
@@ -42,8 +42,8 @@ node! {
         radius: f32 = 1.0, hard(0.001, 100.0), soft(0.1, 3.0), unit(Length), words("width size thickness cluster");
         /// Density of an implant with no cluster nearby; otherwise it takes the density of its neighbours.
         density: f32 = 0.5, hard(0.0, 1.0), unit(Ratio), words("fullness default");
-        /// Radius of the comb in pixels of the view it was drawn in, and the length of the pieces that a stroke is cut
-        /// into.
+        /// Reach of the pen in pixels of the view it was drawn in, and the radius of brushes and combs that store no
+        /// size.
         rho: f32 = 30.0, hard(2.0, 1000.0), soft(10.0, 100.0), words("comb radius pixels force size");
 
         [Shape]
@@ -115,7 +115,8 @@ fn after(hand: &GestureContext, before: &SketchState) -> SketchState {
         Tool::Density => density::density(hand, &mut sketch),
         Tool::Twist => twist::twist(hand, &mut sketch),
         Tool::Frizz => frizz::frizz(hand, &mut sketch),
-        Tool::Comb => comb::comb(hand, &mut sketch),
+        Tool::Comb if hand.gesture.size > 0.0 => comb::comb(hand, &mut sketch),
+        Tool::Comb => push::push(hand, &mut sketch),
         Tool::Pin => pin::pin(hand, &mut sketch),
         Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten => {
             brush::brush(hand, &mut sketch);

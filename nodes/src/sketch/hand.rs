@@ -4,6 +4,7 @@
 //! without names selects what lies under the pen, by its layer, at each replay.
 
 use super::lock::Lock;
+use super::relax::CLEARANCE;
 use super::seen::Seen;
 use crate::data::gestures::{Gesture, Layer, Replayed};
 use crate::data::scalp::{Scalp, Skin};
@@ -98,6 +99,13 @@ impl SketchState {
 
 /// Distance from the pen, in pixels, within which a thin curve counts as under it.
 const TOUCH: f32 = 6.0;
+/// Nothing is drawn closer to the eye than this, cm.
+const NEAREST: f32 = 0.2;
+/// Steps towards the eye; the first is this long (cm) at least, and each may be longer than the one before, so that a line of
+/// sight along the skin leads out of it too.
+const STEPS_OUT: usize = 64;
+const STEP_OUT: f32 = 0.25 * CLEARANCE;
+const LONGER: f32 = 1.2;
 
 impl GestureContext<'_> {
     /// The pen's path, pixels.
@@ -211,20 +219,61 @@ impl GestureContext<'_> {
         met.into_iter().take(most).map(|(i, _)| i).collect()
     }
 
-    /// Curves that a stroke passes within `reach` (pixels) on this side of the head; only the one nearest to the pen's
-    /// start if the layer asks for one.
+    /// Curves that a stroke passes within `reach` (pixels) on this side of the head, at or between their CVs, clusters as wide
+    /// as they are drawn; if the layer asks for one, that under the pen's start, or else the one passed nearest to it.
     pub(super) fn passed(&self, sketch: &SketchState, line: &[Vec2], reach: f32) -> Vec<usize> {
-        let near = |i: usize| {
-            let lock = &sketch.locks[i];
-            let close =
-                |p: &&Vec3| self.seen.pixel(**p).is_some_and(|at| off_line(line, at) <= reach);
-            // (The root never moves.)
-            lock.points[1..].iter().filter(close).any(|p| self.seen.sees(self.scalp, *p))
-        };
-        if self.gesture.layer == Layer::Nearest {
-            return self.met(sketch, self.start()).into_iter().take(1).map(|(i, _)| i).collect();
+        if self.gesture.layer == Layer::Nearest
+            && let Some((i, _)) = self.met(sketch, self.start()).first()
+        {
+            return vec![*i];
         }
-        (0..sketch.locks.len()).filter(|i| sketch.locks[*i].is_curve() && near(*i)).collect()
+        // How far the curve is from a line, pixels, where it is within its reach and can be seen.
+        let near = |i: usize, line: &[Vec2]| -> Option<f32> {
+            let lock = &sketch.locks[i];
+            let pieces = lock.points.windows(2).enumerate().filter_map(|(k, pair)| {
+                let ends = [self.seen.pixel(pair[0])?, self.seen.pixel(pair[1])?];
+                let (off, t) = off_piece(line, ends);
+                let off = off - self.tube(lock, k).max(self.tube(lock, k + 1));
+                let p = pair[0].lerp(pair[1], t);
+                (off <= reach && self.seen.sees(self.scalp, p)).then_some(off)
+            });
+            pieces.min_by(f32::total_cmp)
+        };
+        let curves = (0..sketch.locks.len()).filter(|i| sketch.locks[*i].is_curve());
+        if self.gesture.layer == Layer::Nearest {
+            let off = |i: usize| Some((i, near(i, &line[..1])?));
+            let nearest = curves.filter_map(off).min_by(|a, b| a.1.total_cmp(&b.1));
+            return nearest.into_iter().map(|(i, _)| i).collect();
+        }
+        curves.filter(|i| near(*i, line).is_some()).collect()
+    }
+
+    /// Half the drawn width of a cluster at a CV, pixels; 0 for a curve that is not a cluster.
+    pub(super) fn tube(&self, lock: &Lock, k: usize) -> f32 {
+        let cm = self.seen.cm_per_pixel(self.seen.depth(lock.points[k]));
+        if lock.is_cluster() { lock.radii[k] / cm } else { 0.0 }
+    }
+
+    /// The depth of a point under a pixel once it is moved towards the eye until it is `height` (cm) above the skin: it keeps its
+    /// place in the picture.
+    pub(super) fn out_of_skin(&self, pixel: Vec2, depth: f32, height: f32) -> f32 {
+        let (mut depth, mut least) = (depth.max(NEAREST), STEP_OUT);
+        for _ in 0..STEPS_OUT {
+            let short = height - self.skin.distance(self.seen.at(pixel, depth));
+            // Written so that NaN ends it.
+            if !(short > 0.0 && depth > NEAREST) {
+                break;
+            }
+            depth = (depth - short.max(least)).max(NEAREST);
+            least *= LONGER;
+        }
+        depth
+    }
+
+    /// The same, in front of everything of the head that the pixel shows.
+    pub(super) fn before_head(&self, pixel: Vec2, depth: f32, height: f32) -> f32 {
+        let skin = self.seen.head(self.scalp, pixel).map(|hit| self.seen.depth(hit.point));
+        self.out_of_skin(pixel, skin.map_or(depth, |skin| skin.min(depth)), height)
     }
 
     /// Where the pen's start hits the head.
@@ -260,6 +309,26 @@ pub(super) fn off_line(line: &[Vec2], at: Vec2) -> f32 {
         at.distance(pair[0] + along * t.clamp(0.0, 1.0))
     };
     line.windows(2).map(off).fold(f32::MAX, f32::min)
+}
+
+/// Distance between a polyline and a straight piece, and the fraction along the piece where it is least.
+pub(super) fn off_piece(line: &[Vec2], [a, b]: [Vec2; 2]) -> (f32, f32) {
+    let along = b - a;
+    let at = |p: Vec2| {
+        let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        (p.distance(a + along * t), t)
+    };
+    let crossing = |pair: &[Vec2]| {
+        let (way, off) = (pair[1] - pair[0], pair[0] - a);
+        let slope = along.perp_dot(way);
+        let (t, u) = (off.perp_dot(way) / slope, off.perp_dot(along) / slope);
+        let within = |x: f32| (0.0..=1.0).contains(&x);
+        (slope != 0.0 && within(t) && within(u)).then_some((0.0, t))
+    };
+    let ends = [0.0, 1.0].map(|t| (off_line(line, a + along * t), t));
+    let places = line.iter().map(|p| at(*p)).chain(ends);
+    let all = places.chain(line.windows(2).filter_map(crossing));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f32::MAX, 0.0))
 }
 
 /// Distance of a line of sight from a segment of a curve, and the position along the segment.

@@ -27,7 +27,8 @@ pub(super) fn drawn(tool: Tool, layer: Layer, line: &[Vec2]) -> Gesture {
     };
     let samples: Vec<PenSample> = line.iter().enumerate().map(sample).collect();
     let id = 1 + samples.len() as u64 + (tool as u64) * 1000 + line[0].x.to_bits() as u64;
-    Gesture { layer, samples, ..gesture(id, tool) }
+    let size = if tool == Tool::Comb { 30.0 } else { 0.0 };
+    Gesture { layer, samples, size, ..gesture(id, tool) }
 }
 
 pub(super) fn line(from: [f32; 2], to: [f32; 2]) -> Vec<Vec2> {
@@ -212,19 +213,20 @@ fn curves_that_run_more_than_thirty_degrees_elsewhere_tell_no_depth() {
 }
 
 #[test]
-fn a_comb_reaches_thirty_pixels_and_no_farther() {
+fn a_comb_that_stores_no_size_pushes_cvs_within_thirty_pixels_as_in_the_paper() {
     let (before, _) = sketch(None, &[one_lock()]);
     let was = only(&before);
     let seen = super::seen::Seen::new(&one_lock().view, shared_ball().frame());
     let at = seen.pixel(was[3]).unwrap();
     let comb = |off: f32| {
         let way = line([at.x + off, at.y], [at.x + off + 200.0, at.y]);
-        sketch(None, &[one_lock(), drawn(Tool::Comb, Layer::Through, &way)])
+        let comb = Gesture { size: 0.0, ..drawn(Tool::Comb, Layer::Through, &way) };
+        sketch(None, &[one_lock(), comb])
     };
     let (after, said) = comb(29.0);
     assert!(said.is_empty() && only(&after)[3].x > was[3].x, "{said:?}");
     let (same, said) = comb(31.0);
-    assert!(only(&same) == was && said[0].contains("passes no curve"), "{said:?}");
+    assert!(only(&same) == was && said[0].contains("leaves its curve as it is"), "{said:?}");
 }
 
 #[test]
@@ -463,7 +465,7 @@ fn a_pin_holds_all_before_it_and_a_second_tap_frees_it() {
     tap.id = 40;
     let next = seen.pixel(was[3]).unwrap();
     let way = line(next.into(), [next.x + 150.0, next.y + 20.0]);
-    let comb = Gesture { strength: 2.0, ..drawn(Tool::Comb, Layer::Through, &way) };
+    let comb = drawn(Tool::Comb, Layer::Through, &way);
     let (pinned, _) = sketch(None, &[one_lock(), tap.clone(), comb.clone()]);
     assert_eq!(pinned.tufts()[0].view(PINNED).at(0, 2), 1);
     let cvs = only(&pinned);
@@ -479,9 +481,8 @@ fn a_pin_holds_all_before_it_and_a_second_tap_frees_it() {
 fn a_comb_moves_hair_along_the_stroke_and_keeps_its_length() {
     let (before, _) = sketch(None, &[one_lock()]);
     let was = only(&before);
-    // At twice the strength, a comb takes everything under it along.
+    // A comb takes everything under it along, and at half the strength half of it.
     let comb = drawn(Tool::Comb, Layer::Nearest, &line([0.0, 75.0], [150.0, 75.0]));
-    let comb = Gesture { strength: 2.0, ..comb };
     let (after, said) = sketch(None, &[one_lock(), comb.clone()]);
     assert!(said.is_empty(), "{said:?}");
     let cvs = only(&after);
@@ -492,7 +493,7 @@ fn a_comb_moves_hair_along_the_stroke_and_keeps_its_length() {
     for p in &cvs[1..] {
         assert!(shared_ball().skin().distance(*p) > -1e-3, "{p}");
     }
-    let (less, _) = sketch(None, &[one_lock(), Gesture { strength: 1.0, ..comb }]);
+    let (less, _) = sketch(None, &[one_lock(), Gesture { strength: 0.5, ..comb }]);
     let less = farthest(&only(&less));
     assert!(less > 0.1 && less < farthest(&cvs) - 0.2, "{less}");
 }

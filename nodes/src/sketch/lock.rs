@@ -8,8 +8,10 @@ use crate::data::attributes::{
     ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, default_of,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::scalp::{Root, Scalp};
+use crate::data::route::makers::lift_exactly;
+use crate::data::scalp::{Root, Scalp, Skin};
 use crate::maths::frame::smallest_rotation;
+use crate::maths::spline::{Spline, SplineParam};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -138,6 +140,10 @@ impl Lock {
     pub(super) fn held(&self) -> usize {
         self.pinned.iter().rposition(|pinned| *pinned).unwrap_or(0)
     }
+    /// Whether it has a width of its own.
+    pub(super) fn is_cluster(&self) -> bool {
+        self.base.attribute(RADIUS.name).is_some()
+    }
     /// Whether it can be acted on.
     pub(super) fn is_curve(&self) -> bool {
         self.points.len() > 1 && self.points.iter().all(|p| p.is_finite())
@@ -165,6 +171,23 @@ impl Lock {
         }
         (self.points, self.roll, self.from, self.pinned) = (points, roll, from, pinned);
         self.radii = radii;
+    }
+
+    /// Puts `more[k]` CVs on the drawn curve between the CVs `k` and `k + 1`; those that are there stay.
+    pub(super) fn refine(&mut self, more: &[usize], skin: &Skin) {
+        let Ok(drawn) = Spline::new(&self.points) else { return };
+        let (mut points, mut places) = (vec![], vec![]);
+        for (span, p) in self.points.iter().enumerate() {
+            points.push(*p);
+            places.push(span as f32);
+            let count = more.get(span).copied().unwrap_or(0);
+            for i in 1..=count {
+                let t = i as f32 / (count + 1) as f32;
+                points.push(lift_exactly(skin, drawn.point(SplineParam { span, t }), 0.0).0);
+                places.push(span as f32 + t);
+            }
+        }
+        self.set_points(points, &places);
     }
 
     /// The same with a new tuft.

@@ -22,8 +22,11 @@ mod hand;
 mod laws;
 pub mod level;
 mod lock;
+#[cfg(test)]
+mod picture_laws;
 mod pin;
 mod point;
+mod push;
 #[cfg(test)]
 mod random_laws;
 mod redraw;

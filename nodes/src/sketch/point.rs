@@ -1,11 +1,11 @@
 //! Point: moves one CV with the pen, and no other; beyond the paper, for finishing touches.
 //!
-//! Guarantees: roots, pins and everything before a pin stay; the CV keeps its depth in the picture, but ends above the
-//! skin. Lengths are not kept: the CV is where the pen put it.
+//! Guarantees: roots, pins and everything before a pin stay; the CV moves in the picture as far as the pen went. It keeps its
+//! depth, but where the skin is in the way it comes out of it towards the eye. Lengths are not kept: the CV is where the pen put
+//! it.
 
 use super::hand::{GestureContext, SketchState};
 use super::relax::CLEARANCE;
-use crate::data::route::makers::lift_exactly;
 
 /// A pen movement shorter than this (pixels) moves nothing.
 const STILL: f32 = 0.5;
@@ -36,9 +36,12 @@ pub(super) fn point(hand: &GestureContext, sketch: &mut SketchState) {
         }
         let p = lock.points[k];
         let Some(at) = hand.seen.pixel(p) else { continue };
-        let height = hand.skin.distance(p).min(CLEARANCE);
-        let to = hand.seen.at(at + way, hand.seen.depth(p));
-        lock.points[k] = lift_exactly(&hand.skin, to, height).0;
+        let (to, height) = (at + way, hand.skin.distance(p).min(CLEARANCE));
+        let depth = match hand.seen.sees(hand.scalp, p) {
+            true => hand.before_head(to, hand.seen.depth(p), height),
+            false => hand.out_of_skin(to, hand.seen.depth(p), height),
+        };
+        lock.points[k] = hand.seen.at(to, depth);
         if lock.points[k] != p {
             sketch.locks[i] = lock.done();
         }

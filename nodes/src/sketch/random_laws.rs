@@ -243,7 +243,7 @@ impl Trial<'_> {
                 (0..=8).map(|k| pair[0].lerp(pair[1], k as f32 / 8.0)).any(|p| {
                     let cluster = 1.6 * self.scalp.frame().unit().max(widest(id));
                     let wide = cluster / seen.cm_per_pixel(seen.depth(p));
-                    off(p) <= inner + wide.max(gesture.size).max(60.0) + 10.0
+                    off(p) <= inner + wide + gesture.size.max(60.0) + 10.0
                 })
             });
             // The nearest curve that a circle on the nearest layer finds may be far away.

@@ -1,14 +1,14 @@
 //! Re-draw: from where the stroke begins on a curve, the curve follows the stroke to its end; beyond the paper.
 //!
-//! It takes the depth of the curves around it, as an implant would. Guarantees: everything before that point stays, and
+//! It takes the depth of the curves around it, and keeps its place in the picture, as an implant would. Guarantees: everything before that point stays, and
 //! so do pins: a curve is redrawn only beyond its last one. Its values (radius, twist and all other attributes) keep
 //! their positions from there to the tip. The drawn part is stored in a frame at that point, which is located on each
 //! head where the stroke begins.
 
-use super::grow::{clear, even, length, onward, stroke, turned};
+use super::grow::{clear, length, onward, stroke, turned};
 use super::hand::{GestureContext, SketchState, off_line};
 use super::lock::Lock;
-use super::relax::{CLEARANCE, Rest};
+use super::relax::CLEARANCE;
 use super::seen::Seen;
 use crate::data::gestures::{Gesture, RootFrame};
 use crate::data::route::makers::lift_exactly;
@@ -75,14 +75,12 @@ fn redrawn(
     let from = points[first];
     match hand.gesture.path.is_empty() {
         true => {
-            let more = even(hand, from, stroke(hand, sketch, &hand.line(), from, lock.id));
+            let more = stroke(hand, sketch, &hand.line(), from, lock.id);
             if !is_long(hand, &more) {
                 sketch.say(SHORT);
                 return None;
             }
             points.extend(&more[1..]);
-            let lengths = points.windows(2).map(|w| w[0].distance(w[1])).collect();
-            Rest::new(lengths, first).relax(&mut points, &hand.skin);
         }
         false => {
             let own = begin.frame(hand.scalp)?;

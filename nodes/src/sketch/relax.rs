@@ -16,6 +16,9 @@ pub(super) const CLEARANCE: f32 = 0.02;
 const SHARP: f32 = 0.5;
 /// Rounds of smoothing angles and lengths.
 const ROUNDS: usize = 3;
+/// Rounds of leading a curve to a CV, which has arrived this near (cm).
+const PULLS: usize = 10;
+const ARRIVED: f32 = 2e-3;
 /// Attempts to put a CV on the skin at its old distance from the previous one.
 const TRIES: usize = 10;
 /// Directions tried if that fails.
@@ -47,12 +50,56 @@ impl Rest {
         Self { lengths, heights, held }
     }
 
+    /// With the lengths of the line that the curve was before each segment `k` of it got `more[k]` CVs.
+    pub(super) fn with_lengths_of(mut self, before: &[Vec3], more: &[usize]) -> Self {
+        let mut lengths = &mut self.lengths[..];
+        for (pair, more) in before.windows(2).zip(more) {
+            let count = (more + 1).min(lengths.len());
+            let (own, others) = std::mem::take(&mut lengths).split_at_mut(count);
+            let share = pair[0].distance(pair[1]) / own.iter().sum::<f32>().max(1e-12);
+            own.iter_mut().for_each(|length| *length *= share);
+            lengths = others;
+        }
+        self
+    }
+
+    /// Leads the curve to a CV that was moved, without sharp angles: from there back to the last fixed one, and on to the tip. The
+    /// skin is left alone.
+    pub(super) fn follow(&self, points: &mut [Vec3], lead: usize) {
+        let to = points[lead];
+        self.blunt(points);
+        for _ in 0..PULLS {
+            points[lead] = to;
+            for k in (self.held + 1..lead).rev() {
+                let way = (points[k] - points[k + 1]).normalize_or_zero();
+                points[k] = points[k + 1] + way * self.lengths[k];
+            }
+            for k in self.held + 1..points.len() {
+                let way = (points[k] - points[k - 1]).normalize_or_zero();
+                points[k] = points[k - 1] + way * self.lengths[k - 1];
+            }
+            if points[lead].distance(to) <= ARRIVED {
+                break;
+            }
+        }
+    }
+
     /// Repairs the curve.
     pub(super) fn relax(&self, points: &mut [Vec3], skin: &Skin) {
         for _ in 0..ROUNDS {
             self.blunt(points);
             self.lengthen(points, skin);
         }
+        self.lift(points, skin);
+    }
+
+    /// Repairs a curve that was led without sharp angles.
+    pub(super) fn settle(&self, points: &mut [Vec3], skin: &Skin) {
+        self.lengthen(points, skin);
+        self.lift(points, skin);
+    }
+
+    fn lift(&self, points: &mut [Vec3], skin: &Skin) {
         for (p, height) in points.iter_mut().zip(&self.heights).skip(self.held + 1) {
             *p = lift_exactly(skin, *p, *height).0;
         }

@@ -233,10 +233,13 @@ fn a_moved_parting_keeps_what_was_combed_and_names_the_guides_that_it_took() {
         // (What was cut off whole is so again.)
         assert_eq!(was.contains_key(id), is.contains_key(id), "{id:x}");
         let by = was.get(id).map_or(0.0, |cvs| silhouette(cvs, &is[id]));
-        other.extend((by >= 0.05).then(|| format!("{id:x}: {by}")));
+        // Beside the parting, guides grew another way before they were combed.
+        match up_was[id] == up_is[id] {
+            true => assert!(by < 1e-3, "{id:x}: {by}"),
+            false => other.push(by),
+        }
     }
-    // Those beside the parting grew another way.
-    assert!(other.len() <= 3, "{other:?}");
+    assert!(other.len() <= 10, "{other:?}");
 }
 
 #[test]

@@ -19,10 +19,10 @@ pub const MOST_STEPS: usize = 2000;
 /// The most points of a resampled stroke.
 pub const MOST_RESAMPLED: usize = 50_000;
 
-/// A self-crossing of a stroke that closes a loop.
+/// Where a stroke closes a loop: it crosses itself, or ends where it came by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop {
-    /// Position of the crossing, pixels.
+    /// Position of the crossing or end, pixels.
     pub at: Vec2,
     /// 1 clockwise, -1 counterclockwise.
     pub sign: f32,
@@ -106,6 +106,7 @@ pub fn loops(points: &[Vec2], rho: f32) -> Vec<Loop> {
             found.push(one);
         }
     }
+    found.extend(path.closed_at_end(last, rho));
     found
 }
 
@@ -149,6 +150,8 @@ const FULL: f32 = TAU * 330.0 / 360.0;
 const NEARLY: f32 = PI / 3.0;
 /// Shortest circumference of a loop, in `rho`.
 const LEAST_LOOP: f32 = 0.5;
+/// A stroke that ends this near to its own way has closed, in `rho`.
+const TOUCHES: f32 = 0.25;
 /// Smallest [`Path::roundness`] of circles and loops: that of an ellipse of 1 to 5.
 const ROUND: f32 = 0.45;
 /// Largest area enclosed by two swings of a scribble, relative to the squares of their chords: that of an ellipse of 3
@@ -250,6 +253,20 @@ impl Path {
         let slope = first.perp_dot(second);
         (slope != 0.0 && apart(first, a, c, d) && apart(second, c, a, b))
             .then(|| a + first * ((c - a).perp_dot(second) / slope))
+    }
+
+    /// The loop that the stroke closes where it ends beside its own way from step `least` on, without crossing it.
+    fn closed_at_end(&self, least: usize, rho: f32) -> Option<Loop> {
+        let j = self.steps().checked_sub(1)?;
+        let at = self.points[j + 1];
+        let back = |i: &usize| {
+            (self.turned[j] - self.turned[*i]).abs() >= FULL
+                && self.points[*i].distance(at) <= rho * TOUCHES
+        };
+        let i = (least..j).rev().find(back)?;
+        let round = self.roundness(i, j, at);
+        let long = self.length[j] - self.length[i] >= rho * LEAST_LOOP;
+        (long && round.abs() >= ROUND).then(|| Loop { at, sign: round.signum() })
     }
 
     /// The area that the stroke encloses between position `at` on step `i` and its return near step `j`, relative to

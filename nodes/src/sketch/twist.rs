@@ -9,7 +9,7 @@ pub(super) const TURN: f32 = 15.0;
 pub(super) fn twist(hand: &GestureContext, sketch: &mut SketchState) {
     let loops = loops(&hand.line(), hand.set.rho);
     if loops.is_empty() {
-        return sketch.say("it makes no loop: let it cross itself");
+        return sketch.say("it makes no loop: lead it round to where it came by");
     }
     let taken = hand.takes(
         sketch,

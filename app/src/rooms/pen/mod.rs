@@ -269,10 +269,9 @@ impl Pen {
         self.gesture.is_some() || self.hair.is_drawing() || self.mask.is_drawing()
     }
 
-    /// Whether the pen, on the picture or over it, will reach the skin under hair.
+    /// Whether the pen is down and reaches the skin under hair.
     fn is_on_skin(&self) -> bool {
-        let PenTool::Hair(tool) = self.tool else { return false };
-        self.hair.reaches_skin(tool).unwrap_or(false) && (self.is_drawing() || self.hover.is_some())
+        matches!(self.tool, PenTool::Hair(_)) && self.hair.reaches_skin()
     }
 
     /// Outputs that it must see besides what is displayed.

@@ -175,13 +175,14 @@ impl Pen {
             let drag = egui::DragValue::new(value).range(range).speed(0.02);
             drag.prefix(prefix.to_owned()).suffix(unit.to_owned())
         };
-        if brush || tool == Some(Tool::Scatter) {
+        if super::hair::has_brush(tool) {
             let drag = drag(&mut settings.hair_brush, 0.1..=50.0, "Size ", " cm");
             ui.add(drag).on_hover_text("Radius of the brush on the head.");
         }
         if brush && tool != Some(Tool::Grab) || matches!(tool, None | Some(Tool::Comb)) {
             let drag = drag(&mut settings.strength, 0.01..=1.0, "Strength ", "");
-            ui.add(drag).on_hover_text("Strength: at 0.5, combed hair moves as far as the pen.");
+            ui.add(drag)
+                .on_hover_text("Strength: from 0.5 on, combed hair moves as far as the pen.");
         }
         if matches!(tool, None | Some(Tool::Implant | Tool::Silhouette)) {
             let mut own = settings.hair_colour.is_some();

@@ -101,6 +101,18 @@ fn turns_over_the_same_ground_count_once_each() {
 }
 
 #[test]
+fn a_circle_that_closes_without_crossing_itself_is_a_loop() {
+    for (turns, count) in [(1.0, 1), (0.99, 1), (2.0, 2), (0.9, 0)] {
+        for sign in [1.0, -1.0] {
+            let line = coil(40.0, 1.0, 0.0, sign * turns, 0.3, Vec2::ZERO);
+            let found = loops(&DrawingStyle::still(3.0).places(&line), RHO);
+            assert_eq!(found.len(), count, "{turns}: {found:?}");
+            assert!(found.iter().all(|one| one.sign == sign), "{turns}: {found:?}");
+        }
+    }
+}
+
+#[test]
 fn what_is_no_loop() {
     #[track_caller]
     fn check(line: &[Vec2], hand: DrawingStyle) {

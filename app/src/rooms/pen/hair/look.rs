@@ -106,12 +106,8 @@ impl Pen {
             let radius =
                 target::number(&scene.state.document, target::of(scene.state).as_ref(), "radius")
                     * scene.scalp.frame().unit();
-            let brush = match tool {
-                Some(Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten | Tool::Scatter) => {
-                    Some(scene.state.settings.pen.hair_brush())
-                }
-                _ => None,
-            };
+            let brush = has_brush(tool) && (tool.is_some() || coming == Coming::Style);
+            let brush = brush.then(|| scene.state.settings.pen.hair_brush());
             if let (Coming::Implant, Some(hit)) = (coming, ground.skin(at)) {
                 let mut ring: Vec<Pos2> =
                     disc(scene.scalp, hit.point, hit.triangle, hit.bary, radius)
@@ -143,6 +139,12 @@ impl Pen {
             ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
         }
     }
+}
+
+/// Whether a tool works with a brush of some size, or may.
+pub(in super::super) fn has_brush(tool: Option<Tool>) -> bool {
+    use Tool::{Comb, Grab, Puff, Scatter, Smooth, Straighten};
+    matches!(tool, None | Some(Comb | Smooth | Puff | Grab | Straighten | Scatter))
 }
 
 /// What a touch would do, as far as can be told before it.

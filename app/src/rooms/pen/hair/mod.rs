@@ -13,6 +13,8 @@ mod look;
 pub(super) mod target;
 mod wheel;
 
+pub(super) use look::has_brush;
+
 use super::devices::Input;
 use super::sample::{PenSample as Report, Phase, Tool as End};
 use super::{Said, Scene};
@@ -42,6 +44,8 @@ const STILL: f32 = 3.0;
 const PATIENCE: usize = 3;
 /// An implant nearer to the middle of the head than this (head units) has no twin on the other side.
 const MIDDLE: f32 = 0.5;
+/// Hair that an implant grows is rooted this near to it, head units.
+const BARE: f32 = 1.0;
 /// The most samples of one gesture: four minutes at 1,000 a second. What comes after is not drawn.
 const MOST: usize = 240_000;
 
@@ -127,14 +131,10 @@ impl Hair {
         self.touch.is_some() || !self.waiting.is_empty()
     }
 
-    /// Whether a touch reaches the skin, or would with this tool in hand; none where pressure will tell.
-    pub(super) fn reaches_skin(&self, tool: Option<Tool>) -> Option<bool> {
-        match (&self.touch, tool) {
-            (Some(touch), _) if !touch.samples.is_empty() => Some(touch.layer() == Layer::Scalp),
-            (_, Some(Tool::Implant | Tool::Silhouette | Tool::Scatter)) => Some(true),
-            (_, Some(Tool::Lengthen | Tool::Pin | Tool::Point | Tool::Redraw)) => Some(false),
-            _ => self.level.map(|level| level == Layer::Scalp),
-        }
+    /// Whether the pen is down and reaches the skin.
+    pub(super) fn reaches_skin(&self) -> bool {
+        let down = self.touch.as_ref().filter(|touch| !touch.lifted && !touch.samples.is_empty());
+        down.is_some_and(|touch| touch.layer() == Layer::Scalp)
     }
 
     /// A touch under way never was; one that was lifted stays as it is.
@@ -410,7 +410,8 @@ impl Hair {
             true => more.max(usize::from(planted)),
             false => known.curves.len(),
         };
-        if changed == 0 {
+        let bare = planted && came_in.is_some() && bare_root(&known, scene);
+        if changed == 0 || bare {
             scene.out.push(match touch.twin {
                 Some(_) => Event::Edit(Edit::RemoveGesture { node, input, id: told.id }),
                 None => Event::Abort,
@@ -418,7 +419,10 @@ impl Hair {
             match touch.twin {
                 Some(first) => scene.out.push(Event::EndAs(done(told.tool, first, strands))),
                 None => {
-                    let why = nothing_done(scene.state, &touch.node, told.id);
+                    let why = match bare {
+                        true => NO_HAIR_HERE.to_owned(),
+                        false => nothing_done(scene.state, &touch.node, told.id),
+                    };
                     self.said = Some(Said::new(touch.end(), now, why));
                 }
             }
@@ -453,6 +457,20 @@ impl Hair {
 /// A report with which a touch may begin or go on later.
 fn may_begin((input, free): (Input, bool)) -> Option<Input> {
     (input.sample.touches() && (input.sample.phase != Phase::Down || free)).then_some(input)
+}
+
+/// What is said of an implant where the graph grows no hair.
+const NO_HAIR_HERE: &str = "No hair grows here: this groom fills the head's region from its guides. Begin where hair grows, or give the head another region";
+
+/// Whether an implant stands outside the head's region and no displayed hair is rooted within a cluster's radius of it.
+fn bare_root(gesture: &Gesture, scene: &Scene) -> bool {
+    let scalp = scene.scalp;
+    let root = gesture.root.and_then(|root| scalp.closest_root(scalp.place(root)));
+    let (Some(root), Some(shown)) = (root, scene.state.shown.as_ref()) else { return false };
+    let reach = BARE * scalp.frame().unit();
+    let near = |p: &glam::Vec3| p.distance(root.point) <= reach;
+    let hair = || shown.curves.each().any(|(tuft, i)| tuft.curve(i).first().is_some_and(near));
+    scalp.grows(root.triangle, root.bary) <= 0.0 && !hair()
 }
 
 /// What a step is called.
@@ -571,7 +589,7 @@ impl Touch {
         let Guess::Is(tool) = self.guess else { return None };
         let settings = &scene.state.settings.pen;
         let brush = matches!(tool, Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten);
-        let sized = brush || tool == Tool::Scatter;
+        let sized = brush || matches!(tool, Tool::Comb | Tool::Scatter);
         let size = if sized {
             let depth = scene.view.depth(scene.scalp.frame().origin);
             settings.hair_brush() / scene.view.cm_per_point(depth).max(1e-6)
@@ -579,8 +597,8 @@ impl Touch {
             0.0
         };
         let strength = match tool {
-            // Two pushes carry hair as far as the pen went.
-            Tool::Comb => 4.0 * settings.strength(),
+            // From half strength on, hair goes as far as the pen.
+            Tool::Comb => (2.0 * settings.strength()).min(1.0),
             Tool::Grab => 1.0,
             _ if brush => 2.0 * settings.strength() * self.press(),
             _ => 1.0,

@@ -122,8 +122,7 @@ fn a_heavy_stroke_from_the_skin_is_a_cluster_in_one_step_with_a_name() {
     // It runs where the pen did.
     for (cv, at) in [(0, lock()[0]), (99, lock()[24])] {
         let there = salon.place(0, cv);
-        // (Segments are 2 cm, and a stroke ends with a whole one: 26 places are 1 cm.)
-        assert!(there.distance(at) < 40.0, "{there} {at}");
+        assert!(there.distance(at) < 3.0, "{there} {at}");
     }
     salon.0.editor().apply(crate::core::event::Event::Undo);
     assert_eq!(salon.0.editor().state.document, before);

@@ -81,32 +81,72 @@ fn single_strands_are_combed_behind_the_hair_and_keep_it_by_their_ids() {
 }
 
 #[test]
-fn hair_is_seen_through_while_the_pen_works_on_the_skin() {
+fn hair_is_seen_through_only_while_the_pen_is_down_on_the_skin() {
     let mut salon = Salon::open(head(), "hair.implant");
     salon.draw(&lock(), MIDDLE);
-    let through = |salon: &mut Salon, action: &str, at: Pos2| {
-        salon.0.editor().act(action);
-        salon.report(Phase::Hover, at, 0.0, End::Tip);
+    let through = |salon: &mut Salon| {
+        salon.0.step();
         salon.0.step();
         salon.0.editor().viewport.pen.skin
     };
     let at = Pos2::new(320.0, 200.0);
-    assert!(through(&mut salon, "hair.implant", at), "before it touches");
-    assert!(!through(&mut salon, "hair.comb", at));
-    assert!(!through(&mut salon, "hair.sketch", at), "pressure will tell");
-    assert!(through(&mut salon, "hair.level_3", at), "a key has told");
-    salon.0.editor().act("hair.level_3");
-    // A hand that presses hard tells it while it draws.
-    salon.begin(&lock(), HEAVY, End::Tip);
-    salon.0.step();
-    salon.0.step();
-    assert!(salon.0.editor().viewport.pen.skin);
-    salon.report(Phase::Up, lock()[24], 0.0, End::Tip);
-    salon.rest();
-    salon.report(Phase::Out, lock()[24], 0.0, End::Tip);
-    salon.0.step();
-    salon.0.step();
-    assert!(!salon.0.editor().viewport.pen.skin);
+    for (action, places, pressure, expected) in [
+        ("hair.implant", lock(), MIDDLE, true),
+        ("hair.comb", Salon::line([310.0, 250.0], [360.0, 260.0]), MIDDLE, false),
+        // A hand that presses hard tells it while it draws.
+        ("hair.sketch", lock(), HEAVY, true),
+        ("hair.level_3", lock(), MIDDLE, true),
+    ] {
+        salon.0.editor().act(action);
+        salon.report(Phase::Hover, at, 0.0, End::Tip);
+        assert!(!through(&mut salon), "{action}: before it touches");
+        salon.begin(&places, pressure, End::Tip);
+        assert_eq!(through(&mut salon), expected, "{action}");
+        salon.report(Phase::Up, places[24], 0.0, End::Tip);
+        assert!(!through(&mut salon), "{action}: lifted");
+        salon.rest();
+        salon.report(Phase::Hover, places[24], 0.0, End::Tip);
+        assert!(!through(&mut salon), "{action}: between strokes");
+    }
+}
+
+#[test]
+fn an_implant_where_a_groom_grows_no_hair_is_not_kept_and_says_why() {
+    let mut salon = Salon::open(start(2000), "hair.implant");
+    let before = salon.0.editor().state.document.clone();
+    // On the cheek.
+    salon.draw(&Salon::line([350.0, 420.0], [360.0, 470.0]), MIDDLE);
+    let said = salon.0.editor().pen.hair.said.clone().expect("a word").text;
+    assert!(said.contains("No hair grows here"), "{said}");
+    assert_eq!((salon.0.done(), salon.0.editor().state.document == before), (0, true));
+    // Where hair grows it is one.
+    salon.draw(&Salon::line([300.0, 120.0], [330.0, 180.0]), MIDDLE);
+    assert_eq!(salon.words(), "implanted a cluster", "{:?}", salon.0.editor().pen.hair.said);
+}
+
+#[test]
+fn a_comb_has_the_size_of_the_brush_and_takes_hair_as_far_as_the_pen() {
+    let mut salon = Salon::open(head(), "hair.sketch");
+    salon.draw(&lock(), HEAVY);
+    salon.0.editor().act("hair.comb");
+    let radius = |salon: &mut Salon| {
+        let gestures = salon.gestures();
+        gestures.0.last().map_or(0.0, |gesture| gesture.size)
+    };
+    // Between two CVs, where the lock is half down.
+    let at = salon.place(0, 2) + (salon.place(0, 3) - salon.place(0, 2)) * 0.5;
+    let to = at + Vec2::new(60.0, -30.0);
+    salon.draw(&Salon::line([at.x, at.y], [to.x, to.y]), MIDDLE);
+    assert_eq!(salon.words(), "combed a cluster");
+    let count = salon.curves().tufts()[0].points().len();
+    let near = (0..count).map(|k| salon.place(0, k).distance(to)).fold(f32::MAX, f32::min);
+    // CVs are a sixth of the brush apart.
+    assert!(near < 12.0, "{near}");
+    let wide = radius(&mut salon);
+    salon.0.editor().act("pen.brush_smaller");
+    salon.draw(&Salon::line([to.x, to.y], [at.x, at.y]), MIDDLE);
+    let smaller = radius(&mut salon);
+    assert!(smaller > 2.0 && smaller < wide, "{smaller} {wide}");
 }
 
 #[test]
