@@ -14,15 +14,16 @@ use super::hand::{GestureContext, SketchState, off_piece};
 use super::lock::Lock;
 use super::relax::{CLEARANCE, Rest};
 use super::seen::steps;
-use crate::data::gestures::Gesture;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// Within this much of its radius, hair goes all the way with the brush.
 const CORE: f32 = 0.25;
+/// Free hair with less than this share beside hair that a pin holds is not meant.
+const SLIGHT: f32 = 0.25;
 /// Step of the brush, in its radius.
 const STEP: f32 = 0.25;
-/// Distance between CVs under the brush, in its radius, and the least, pixels.
+/// Distance between CVs under the brush, in its radius; the least, and the least radius, pixels.
 const SPACING: f32 = 1.0 / 6.0;
 const CLOSEST: f32 = 2.0;
 /// The most CVs of a curve: what Unreal reads.
@@ -35,18 +36,18 @@ const LOOKS: usize = 12;
 const MET: f32 = 1e-3;
 
 pub(super) fn comb(hand: &GestureContext, sketch: &mut SketchState) {
-    let size = hand.gesture.size;
+    let size = hand.gesture.size.max(CLOSEST);
     let line = steps(&hand.line(), STEP * size);
     let taken = hand.takes(
         sketch,
         |hand, sketch| hand.passed(sketch, &line, size),
-        "the comb passes no curve that hair here grows from: enlarge it with ], or begin nearer to a root",
+        "the comb passes no curve: enlarge it with ], or begin on hair",
     );
     let around = (hand.set.follow > 0.0).then(|| sketch.locks.clone());
     let (mut any, mut held) = (false, false);
     for i in taken {
         let mut lock = (*sketch.locks[i]).clone();
-        match combed(hand, &line, &mut lock, around.as_deref()) {
+        match combed(hand, (&line, size), &mut lock, around.as_deref()) {
             Combed::Moved => (sketch.locks[i], any) = (lock.done(), true),
             Combed::Held => held = true,
             Combed::Missed => {}
@@ -60,20 +61,19 @@ pub(super) fn comb(hand: &GestureContext, sketch: &mut SketchState) {
 /// What the brush did to a curve.
 enum Combed {
     Moved,
-    /// It passed what a pin holds, and nothing else.
+    /// It passed what a pin holds, and next to nothing else.
     Held,
     Missed,
 }
 
 fn combed(
     hand: &GestureContext,
-    line: &[Vec2],
+    (line, size): (&[Vec2], f32),
     lock: &mut Lock,
     around: Option<&[Arc<Lock>]>,
 ) -> Combed {
-    let Gesture { size, strength, .. } = *hand.gesture;
-    let (seen, held) = (&hand.seen, lock.held());
-    let more = needed(hand, line, lock);
+    let (seen, held, strength) = (&hand.seen, lock.held(), hand.gesture.strength);
+    let more = needed(hand, (line, size), lock);
     let before = lock.points.clone();
     lock.refine(&more, &hand.skin);
     let rest = Rest::of(&lock.points, held, &hand.skin).with_lengths_of(&before, &more);
@@ -84,7 +84,8 @@ fn combed(
     // How far each CV has been moved by the brush, in its steps, and how far it stays behind it, pixels.
     let mut weights = vec![0.0f32; lock.points.len()];
     let mut behind = vec![Vec2::ZERO; lock.points.len()];
-    let mut passes_held = false;
+    // The largest share of what a pin holds, and of what is free.
+    let (mut most_held, mut most_free) = (0.0f32, 0.0f32);
     for pair in line.windows(2) {
         let (from, way) = (pair[0], pair[1] - pair[0]);
         let drawn: Vec<Option<Vec2>> =
@@ -98,9 +99,10 @@ fn combed(
             let edge = (off - CORE * size).max(0.0);
             let share = (falloff(edge, (1.0 - CORE) * size) * strength).min(1.0);
             if share <= 0.0 || k <= held {
-                passes_held |= share > 0.0;
+                most_held = most_held.max(share);
                 continue;
             }
+            most_free = most_free.max(share);
             let to = at + (way + behind[k]) * share;
             let most = 2.0 * (to - at).length() * seen.cm_per_pixel(seen.depth(p));
             let height = (heights[k] < LIES * hand.set.unit).then_some(heights[k]);
@@ -121,8 +123,10 @@ fn combed(
             behind[k] = left.unwrap_or_default();
         }
     }
-    if weights.iter().all(|w| *w == 0.0) {
-        return if passes_held { Combed::Held } else { Combed::Missed };
+    match () {
+        () if most_held > most_free && most_free < SLIGHT => return Combed::Held,
+        () if most_free == 0.0 => return Combed::Missed,
+        () => {}
     }
     if let Some(around) = around {
         turn_with(hand, lock, around, &weights);
@@ -144,8 +148,7 @@ fn middle(drawn: &[Option<Vec2>], tubes: &[f32], pen: Vec2) -> Option<Vec2> {
 }
 
 /// How many CVs each segment needs besides its ends so that the brush finds one wherever it passes.
-fn needed(hand: &GestureContext, line: &[Vec2], lock: &Lock) -> Vec<usize> {
-    let size = hand.gesture.size;
+fn needed(hand: &GestureContext, (line, size): (&[Vec2], f32), lock: &Lock) -> Vec<usize> {
     let long = |k: usize| -> Option<f32> {
         let ends = [hand.seen.pixel(lock.points[k])?, hand.seen.pixel(lock.points[k + 1])?];
         let reach = 2.0 * size + hand.tube(lock, k).max(hand.tube(lock, k + 1));

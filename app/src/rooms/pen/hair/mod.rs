@@ -460,7 +460,8 @@ fn may_begin((input, free): (Input, bool)) -> Option<Input> {
 }
 
 /// What is said of an implant where the graph grows no hair.
-const NO_HAIR_HERE: &str = "No hair grows here: this groom fills the head's region from its guides. Begin where hair grows, or give the head another region";
+const NO_HAIR_HERE: &str =
+    "No hair grows here: begin inside the head's region, or choose another region";
 
 /// Whether an implant stands outside the head's region and no displayed hair is rooted within a cluster's radius of it.
 fn bare_root(gesture: &Gesture, scene: &Scene) -> bool {

@@ -372,9 +372,13 @@ fn with_symmetry_both_sides_of_the_head_are_one_step() {
         .each()
         .map(|(tuft, i)| tuft.curve(i).iter().map(|p| scalp.frame().head_from_point(*p)).collect())
         .collect();
-    for (a, b) in both[0].iter().zip(&both[1]) {
-        // As far as the built-in head is the same on both sides.
-        assert!((*a * Vec3::new(-1.0, 1.0, 1.0)).distance(*b) < 0.25, "{a} {b}");
+    for a in &both[0] {
+        // As far as the built-in head is the same on both sides: the comb carries hair 2 cm over it.
+        let a = *a * Vec3::new(-1.0, 1.0, 1.0);
+        let near =
+            |pair: &[Vec3]| coif_nodes::maths::nearest_on([pair[0], pair[1]], a).0.distance(a);
+        let off = both[1].windows(2).map(near).fold(f32::MAX, f32::min);
+        assert!(off < 0.35, "{a}: {off}");
     }
     // In the middle there is one, and what finds nothing on the other side is alone.
     salon.draw(&Salon::line([300.0, 120.0], [300.0, 180.0]), HEAVY);
