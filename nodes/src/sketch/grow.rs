@@ -19,6 +19,7 @@ use crate::data::gestures::RootFrame;
 use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
+use crate::maths::nearest_on;
 use crate::maths::polyline::Polyline;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::atan2;
@@ -214,7 +215,8 @@ fn depths(
         // Neighbours tell the slope for as long as a segment is.
         if (k - 1).is_multiple_of(piece) {
             let way = flat[(k - 1 + piece).min(flat.len() - 1)] - flat[k - 1];
-            told = slope(hand, sketch, seen.at(flat[k - 1], before), way, own);
+            let middle = flat[(k - 1 + piece / 2).min(flat.len() - 1)];
+            told = slope(hand, sketch, seen.at(middle, before), way, own);
         }
         let far = cm(k, before);
         let depth = match told {
@@ -267,13 +269,15 @@ fn slope(
     let seen = &hand.seen;
     let (mut sum, mut weights) = (0.0, 0.0);
     for lock in sketch.locks.iter().filter(|lock| lock.id != own && lock.is_curve()) {
-        let far = |k: usize| lock.points[k].distance_squared(at);
-        let k = (0..lock.points.len()).fold(0, |best, k| if far(k) < far(best) { k } else { best });
-        let distance = far(k).sqrt();
+        // The piece beside it: one farther back or on would lead off skin that bends.
+        let pieces = lock.points.windows(2).map(|pair| {
+            let ends = [pair[0], pair[1]];
+            (nearest_on(ends, at).0.distance(at), ends)
+        });
+        let Some((distance, [a, b])) = pieces.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         if distance >= hand.set.tau {
             continue;
         }
-        let (a, b) = (lock.points[k.max(1) - 1], lock.points[k.max(1)]);
         let (Some(q), Some(r)) = (seen.pixel(a), seen.pixel(b)) else { continue };
         let along = r - q;
         let cm = along.length() * seen.cm_per_pixel(seen.depth(a));

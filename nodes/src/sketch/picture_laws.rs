@@ -7,7 +7,7 @@ use super::random_laws::out_of;
 use super::seen::Seen;
 use super::silhouette::MedialLine;
 use crate::data::curves::Curves;
-use crate::data::gestures::{Gesture, GestureView, Layer, Tool};
+use crate::data::gestures::{Gesture, GestureView, Layer, PenSample, Tool};
 use crate::data::scalp::Scalp;
 use crate::maths::spline::{Spline, SplineParam};
 use crate::maths::transcendental::sin_cos;
@@ -171,6 +171,23 @@ fn hair_lands_where_the_pen_drew() {
             assert!(off <= OFF, "{said}: {tool:?} {off}");
         }
     });
+}
+
+#[test]
+fn a_lock_beside_another_lies_on_the_head_as_it_does() {
+    let scalp = head(&[]);
+    let view = PLACES[0].view(&scalp, ZOOMS[0]);
+    let one = with_view(view, Tool::Implant, Layer::Scalp, &line([0.0, 0.0], [40.0, 270.0]));
+    let beside = |s: &PenSample| PenSample { at: s.at + Vec2::X * 70.0, ..*s };
+    let two = Gesture { id: 2, samples: one.samples.iter().map(beside).collect(), ..one.clone() };
+    let (curves, _) = sketch(&scalp, &[one, two]);
+    let high = |cvs: &[Vec3]| -> f32 {
+        let off = cvs.iter().map(|p| scalp.surface().closest(*p).expect("the skin").distance);
+        off.fold(0.0, f32::max)
+    };
+    let all: Vec<f32> = points(&curves).values().map(|cvs| high(cvs)).collect();
+    println!("{all:?}");
+    assert!(all.len() == 2 && (all[0] - all[1]).abs() < 0.7, "{all:?}");
 }
 
 #[test]
