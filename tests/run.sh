@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything tested: format, lints, documentation, and all tests, with one build of everything.
+# Everything tested: format, lints, documentation, and all tests, with one build of everything (lint.sh).
 #
 # tests/run.sh --long   then also what takes too long for every change: whole grooms evaluated by the release build for farms, whose
 #                       hashes must be those of dev; random cases by the ten thousand; every groom on every real head; tests that are
@@ -143,11 +143,6 @@ check() {
     took "$before"
 }
 check cargo fmt --all --check
-check cargo clippy --quiet --workspace --all-targets -- -D warnings
-# The build for farms.
-check cargo clippy --quiet -p coif --no-default-features -- -D warnings
-RUSTDOCFLAGS="-D warnings" check cargo doc --quiet --workspace --no-deps
-
 # The time that a test took is told to who may use what is not stable yet; the compiler is not, or it would build all anew.
 triple=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
 export "CARGO_TARGET_${triple}_RUNNER=env RUSTC_BOOTSTRAP=1"
@@ -167,7 +162,17 @@ if [ -n "${COIF_LONG:-}" ]; then
     check cargo build --quiet --release -p coif --no-default-features
     export COIF_PROGRAM="$PWD/target/release/coif"
 fi
+# Lints and documentation, of benches too, come with the build.
+export RUSTC_WORKSPACE_WRAPPER="$PWD/tests/lint.sh"
+check cargo test --quiet --no-run --workspace --bins --examples --tests --benches
+found=$(find target/lints -name '*.txt' 2>/dev/null)
+if [ -n "$found" ]; then
+    printf 'FAILED: lints and documentation\n'
+    cat $found
+    failed=$((failed + 1))
+fi
 tests cargo test --workspace --no-fail-fast --bins --examples --tests
+unset RUSTC_WORKSPACE_WRAPPER
 if [ -n "${COIF_LONG:-}" ]; then
     ignored=--ignored tests cargo test --release --no-fail-fast --workspace --lib --tests
 fi
