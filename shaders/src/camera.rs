@@ -126,6 +126,23 @@ impl Camera {
         self.orthographic.unwrap_or_else(perspective)
     }
 
+    /// The half-line of all that a picture of this aspect (width over height) shows at a place, which is counted from its upper left
+    /// corner, 0 to 1 across and down: where it begins, and its direction (unit).
+    pub fn ray(&self, [x, y]: [f32; 2], aspect: f32) -> (Vec3, Vec3) {
+        let (across, up) = self.across_and_up();
+        let half = self.orthographic.map_or(self.half_height(), |height| 0.5 * height);
+        let off = across * (2.0 * x - 1.0) * half * aspect + up * (1.0 - 2.0 * y) * half;
+        match self.orthographic {
+            Some(_) => (self.eye + off, self.ahead()),
+            None => (self.eye, (self.ahead() + off).normalize_or(self.ahead())),
+        }
+    }
+
+    /// How many cm a share of the picture's height covers, so far (cm) from the eye.
+    pub fn covers(&self, share: f32, distance: f32) -> f32 {
+        share * self.orthographic.unwrap_or(2.0 * self.half_height() * distance)
+    }
+
     /// The same view with parallel rays: what lies at the target's depth keeps its size.
     pub fn flattened(&self) -> Self {
         Self { orthographic: Some(self.height()), ..*self }
@@ -499,6 +516,32 @@ mod tests {
         let word = (i as u32).wrapping_mul(747_796_405).wrapping_add(k.wrapping_mul(2_891_336_453));
         let word = (word ^ (word >> 15)).wrapping_mul(277_803_737);
         (word >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+
+    #[test]
+    fn a_ray_leads_through_all_that_is_drawn_at_its_place() {
+        let plain = Camera {
+            eye: Vec3::new(30.0, 12.0, 80.0),
+            target: Vec3::new(1.0, 2.0, -3.0),
+            up: Vec3::Y,
+            focal_mm: 85.0,
+            orthographic: None,
+        };
+        for (camera, aspect) in [(plain, 1.5), (plain.flattened(), 1.5), (plain, 0.5)] {
+            let clip = camera.projection(aspect) * camera.view();
+            for at in [[0.5, 0.5], [0.0, 0.0], [0.9, 0.2], [0.25, 1.0]] {
+                let (origin, way) = camera.ray(at, aspect);
+                for far in [1.0, 50.0, 200.0] {
+                    let drawn = clip.project_point3(origin + way * far);
+                    let drawn = [0.5 + 0.5 * drawn.x, 0.5 - 0.5 * drawn.y];
+                    let off = (drawn[0] - at[0]).abs().max((drawn[1] - at[1]).abs());
+                    assert!(off < 1e-4, "{at:?} {far} cm off is drawn at {drawn:?}");
+                }
+            }
+            // What covers the picture from bottom to top at the target is as high as it says.
+            let far = camera.eye.distance(camera.target);
+            assert!((camera.covers(1.0, far) / camera.height() - 1.0).abs() < 1e-5);
+        }
     }
 
     /// Hair from the scalp of the default frame down to `length` cm below, lopsided.

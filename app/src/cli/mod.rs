@@ -22,6 +22,8 @@ mod measure;
 mod merge;
 mod nodes;
 mod pack;
+#[cfg(feature = "render")]
+mod probe;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
@@ -68,6 +70,9 @@ enum Command {
     /// Draw a graph's hair: pictures, turntables, heat maps
     #[cfg(feature = "render")]
     Render(Box<render::RenderArgs>),
+    /// Say what a picture shows at a place: the skin there, its region and section, and the hair above it
+    #[cfg(feature = "render")]
+    Probe(Box<probe::ProbeArgs>),
     /// Write a job for farms (Open Job Description) that evaluates graphs on heads, with seeds and rows of a table; or collect reports
     Batch(batch::BatchArgs),
     /// Check graphs without evaluating them: syntax, types, missing inputs, unknown nodes, a target's limits
@@ -118,6 +123,8 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Fit(args)) => fit::run(&args),
         #[cfg(feature = "render")]
         Some(Command::Render(args)) => render::run(&args),
+        #[cfg(feature = "render")]
+        Some(Command::Probe(args)) => probe::run(&args),
         Some(Command::Batch(args)) => batch::run(&args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Fmt(args)) => fmt::run(&args),

@@ -49,6 +49,8 @@ pub(crate) struct Evaluated {
     pub(crate) scalps: Vec<Arc<Scalp>>,
     /// Names of the sections that hair may be rooted in, by their ids.
     pub(crate) sections: BTreeMap<u64, String>,
+    /// The same heads as each parting on the way to the outputs leaves them.
+    pub(crate) parted: Vec<Arc<Scalp>>,
     /// What was asked for besides, in that order.
     pub(crate) more: Vec<Value>,
 }
@@ -235,7 +237,7 @@ impl Opened {
             return Err(Stop(Exit::Failed, vec![not_strict(graph)]));
         }
         let sections = section_names(&parted);
-        Ok(Evaluated { groups, scalps, sections, more })
+        Ok(Evaluated { groups, scalps, sections, parted, more })
     }
 }
 

@@ -69,7 +69,7 @@ const NOT: &[&str] =
 
 #[test]
 fn random_events_leave_a_sound_document() {
-    throw(0..2, 250);
+    throw(0..2, 150);
 }
 
 /// In the release build, by `tests/run.sh --long`.

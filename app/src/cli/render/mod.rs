@@ -2,7 +2,7 @@
 //!
 //! What is wrong with the words is said before anything runs.
 
-mod words;
+pub(super) mod words;
 
 use super::Exit;
 use super::carry_out::carry_out;
@@ -26,8 +26,8 @@ use std::path::PathBuf;
 use words::within;
 
 /// What is taken where nobody asks for another.
-const SIZE: &str = "1280x720";
-const CAMERA: &str = "three-quarter";
+pub(super) const SIZE: &str = "1280x720";
+pub(super) const CAMERA: &str = "three-quarter";
 const SAMPLES: u32 = 64;
 const VIEW: &str = "hair";
 const DISPLAY: &str = "agx";

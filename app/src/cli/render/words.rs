@@ -7,7 +7,7 @@ use crate::jobs::stop::Stop;
 pub(super) const LONGEST: u32 = 16384;
 
 /// `WIDTHxHEIGHT` in pixels.
-pub(super) fn size(text: &str) -> Result<[u32; 2], Stop> {
+pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Stop> {
     let wrong = || {
         Stop::refused(format!(
             "--size {text}: write it as WIDTHxHEIGHT in pixels, each from 1 to {LONGEST}"
@@ -22,7 +22,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], Stop> {
 }
 
 /// A number within limits.
-pub(super) fn within(
+pub(in crate::cli) fn within(
     option: &str,
     value: f32,
     (lo, hi): (f32, f32),

@@ -5,6 +5,7 @@
 
 pub(crate) mod files;
 mod place;
+pub(crate) mod probe;
 
 use super::evaluate::{Evaluated, Opened, evaluator};
 use super::open::writes_all;
@@ -23,7 +24,7 @@ use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
-use coif_shaders::camera::Camera;
+use coif_shaders::camera::{Camera, Subject};
 use coif_shaders::display::Transform;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::{Picture, Samples};
@@ -242,9 +243,9 @@ fn draw_shots(
         decoding.join().map_err(|_| Stop::failed("a picture of the head cannot be read"))?;
     let scene = Scene::of(asked, evaluated, &looks, &mut report.warnings)?;
     let mut closest = closest.iter();
-    let stills = places
-        .iter()
-        .map(|place| place.camera(asked, &scene, place.socket().and_then(|_| closest.next())));
+    let stills = places.iter().map(|place| {
+        place.camera(asked, &scene.subject(), place.socket().and_then(|_| closest.next()))
+    });
     let stills = stills.collect::<Result<Vec<Camera>, Stop>>()?;
     let description = describe(asked, &scene);
     renderer.set_look(&asked.look);
@@ -340,13 +341,19 @@ struct Scene {
 }
 
 impl Scene {
+    /// What views of it are framed by.
+    fn subject(&self) -> Subject<'_> {
+        let surface = self.scalp.as_deref().map(Scalp::surface);
+        Subject { frame: self.frame, surface, hair: &self.hair }
+    }
+
     fn of(
         asked: &RenderRequest,
         evaluated: Evaluated,
         looks: &[Option<Arc<FileLooks>>],
         warnings: &mut Vec<String>,
     ) -> Result<Self, Stop> {
-        let Evaluated { groups, scalps, more, sections: _ } = evaluated;
+        let Evaluated { groups, scalps, more, sections: _, parted: _ } = evaluated;
         // Guides that are handed out besides hair are no hair.
         let only_guides = groups.iter().all(|group| group.guides);
         let hair = together(

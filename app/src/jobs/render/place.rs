@@ -1,10 +1,9 @@
 //! Where a picture is seen from: a view of any head, one that the graph has saved, or what a node gives.
 
-use super::{RenderRequest, Scene};
+use super::RenderRequest;
 use crate::jobs::evaluate::Opened;
 use crate::jobs::stop::Stop;
 use coif_graphs::document::{NodeId, SavedView, Socket};
-use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::{Type, Value};
 use coif_shaders::camera::{self, Camera, Subject, Viewpoint};
 use glam::Vec3;
@@ -91,7 +90,7 @@ impl ShotView {
     pub(super) fn camera(
         &self,
         asked: &RenderRequest,
-        scene: &Scene,
+        subject: &Subject,
         closest: Option<&Value>,
     ) -> Result<Camera, Stop> {
         let focal_mm = self.focal_mm(asked);
@@ -115,12 +114,7 @@ impl ShotView {
                 Viewpoint::Close(points)
             }
         };
-        let subject = Subject {
-            frame: scene.frame,
-            surface: scene.scalp.as_deref().map(Scalp::surface),
-            hair: &scene.hair,
-        };
         let [width, height] = asked.size.map(|side| side as f32);
-        Ok(camera::frame(&view, &subject, focal_mm, width / height))
+        Ok(camera::frame(&view, subject, focal_mm, width / height))
     }
 }
