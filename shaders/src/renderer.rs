@@ -74,6 +74,9 @@ pub struct Look {
     pub opacity: f32,
     /// Share of the strands that is drawn, over 0, at most 1; widths make up for the rest.
     pub share: f32,
+    /// How many strands of the final hair each strand that is given stands for, 1 or more: it is drawn, and casts shadows, as wide as
+    /// all of them together.
+    pub stands_for: f32,
     /// How strongly roots darken the skin, 0 to 1.
     pub scalp_tint: f32,
 }
@@ -88,6 +91,7 @@ impl Default for Look {
             specular: 1.0,
             opacity: 1.0,
             share: 1.0,
+            stands_for: 1.0,
             scalp_tint: 0.9,
         }
     }
@@ -314,8 +318,8 @@ impl Renderer {
         let tables = Tables::new(&gpu, &table, &rig, None);
         let lookups = lookups(&gpu, &layouts, &targets, &maps, &grid, &tables);
         Ok(Self {
-            drawn: strands.blocks(&gpu, 1.0),
-            shadowing: strands.blocks(&gpu, 1.0),
+            drawn: strands.blocks(&gpu, 1.0, 1.0),
+            shadowing: strands.blocks(&gpu, 1.0, 1.0),
             opacity_stride: 1,
             layouts,
             pipelines,
@@ -432,8 +436,10 @@ impl Renderer {
             self.table = bake(look);
             self.stale.tables = true;
         }
-        if old.share != look.share {
-            self.drawn = self.strands.blocks(&self.gpu, look.share);
+        if (old.share, old.stands_for) != (look.share, look.stands_for) {
+            self.drawn = self.strands.blocks(&self.gpu, look.share, look.stands_for);
+            // Shadows are made of all strands, whatever share is drawn.
+            self.stale.hair |= old.stands_for != look.stands_for;
         }
         self.restart();
     }

@@ -277,8 +277,9 @@ impl Strands {
     }
 
     /// The blocks that draw `share` (over 0, at most 1) of each tuft's strands, the first of each: any prefix of a tuft is
-    /// an even choice. Widths make up for those that are not drawn.
-    pub(crate) fn blocks(&self, gpu: &Gpu, share: f32) -> Vec<Blocks> {
+    /// an even choice. This is the one place where widths make up for strands that are missing: each is as much wider as there are
+    /// fewer, of those that are here and are not drawn, and of `stands_for` (1 or more) for each that was never made.
+    pub(crate) fn blocks(&self, gpu: &Gpu, share: f32, stands_for: f32) -> Vec<Blocks> {
         let mut lists: Vec<Vec<[u32; 4]>> = vec![vec![]; self.chunks.len()];
         // Neighbours with the same gain become one run, so that tufts of one curve do not cost a workgroup each.
         let mut runs: Vec<(usize, u32, u32, f32)> = vec![];
@@ -286,7 +287,7 @@ impl Strands {
             let curves = slot.tuft.len();
             let drawn = ((curves as f32 * share).ceil() as usize).clamp(1, curves);
             let points = slot.tuft.offsets()[drawn];
-            let gain = curves as f32 / drawn as f32;
+            let gain = stands_for * curves as f32 / drawn as f32;
             match runs.last_mut() {
                 Some((chunk, first, n, same))
                     if *chunk == slot.chunk && *first + *n == slot.first && *same == gain =>

@@ -1,5 +1,6 @@
 //! How soon a drag is seen: sliders of a shipped groom moved as a hand moves them, in preview quality, with everything kept
-//! that an editor keeps. Prints for each slider the median and the worst time to new hair, and what ran.
+//! that an editor keeps. Prints for each slider the median and the worst time to new hair, and what ran; and how soon the first hair,
+//! the preview and all hair of each recipe are there on a head that is known (`-- first-hair`: these alone).
 
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
@@ -42,6 +43,38 @@ const SKETCH: &str = r#"(
         "hair.scalp": "head.scalp",
     },
 )"#;
+
+/// Each recipe as it is opened: its first hair, its preview, all of it, one after the other.
+fn first_hair() {
+    for (name, text) in grooms::TEMPLATES {
+        let document = file::read(text).expect("it reads").document;
+        let of = |kind: &str, output: &str| -> Vec<Socket> {
+            let nodes = document.nodes.iter().filter(|(_, node)| node.kind == kind);
+            nodes.map(|(id, _)| Socket::new(id.clone(), output)).collect()
+        };
+        let (heads, hair) = (of("head", "scalp"), of("groom_output", "curves"));
+        let evaluator = Evaluator::new(0, 1 << 30).expect("threads");
+        let files = DiskFiles::default();
+        let run = |targets: &[Socket], quality: Quality| {
+            let began = Instant::now();
+            let plan = plan(&document, targets, quality, &files).expect("a plan");
+            let outcome =
+                evaluator.run(&plan, OnFailure::PassThrough, &CancelToken::default(), &Quiet);
+            let made: usize = match outcome.nodes.last() {
+                Some(node) => node.curves,
+                None => 0,
+            };
+            (began.elapsed().as_secs_f64() * 1e3, made)
+        };
+        run(&heads, Quality::Final);
+        let [first, preview, all] = [Quality::FirstLook, Quality::Preview, Quality::Final]
+            .map(|quality| run(&hair, quality));
+        println!(
+            "{name}: first hair after {:.0} ms ({} strands), preview after {:.0} more ({}), all after {:.0} more ({})",
+            first.0, first.1, preview.0, preview.1, all.0, all.1
+        );
+    }
+}
 
 /// A comb of all layers down the side of the head, sample by sample; then it is taken back.
 fn sketch() {
@@ -106,6 +139,10 @@ fn sketch() {
 }
 
 fn main() {
+    first_hair();
+    if std::env::args().any(|arg| arg == "first-hair") {
+        return;
+    }
     sketch();
     for (groom, socket, from, to) in SLIDERS {
         let text = grooms::by_name(groom).expect("a shipped groom");

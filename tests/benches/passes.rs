@@ -36,7 +36,7 @@ fn main() {
     let mut solids = vec![head_solid(&groom.scalp, Tone::Monk(5))];
     solids.extend(ground(&solids, f32::INFINITY));
     renderer.set_solids(solids);
-    renderer.set_roots(RootGrid::of(&groom.hair, SPREAD));
+    renderer.set_roots(RootGrid::of(&groom.hair, SPREAD, 1.0));
     renderer.set_camera(&frame(&Viewpoint::ThreeQuarter, &subject, 85.0, 1280.0 / 720.0));
     renderer.set_rig(&Rig::named("studio").expect("a rig"));
     println!("scene: {:.0} ms", ms(began));

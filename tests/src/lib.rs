@@ -10,6 +10,7 @@ pub mod waiting;
 use coif_graphs::document::{Setting, Socket};
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::plan;
+use coif_graphs::schedule::result::stands_for;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_graphs::{file, grooms, text};
 use coif_nodes::data::curves::Curves;
@@ -124,6 +125,14 @@ pub fn adapter(test: &str) -> bool {
 /// # Panics
 /// When an edit names nothing or the evaluation fails.
 pub fn groom(name: &str, edits: &[(&str, &str)], sockets: &[&str]) -> Groom {
+    groom_made(name, edits, sockets, Quality::Final)
+}
+
+/// [`groom`] of any quality.
+///
+/// # Panics
+/// When an edit names nothing or the evaluation fails.
+pub fn groom_made(name: &str, edits: &[(&str, &str)], sockets: &[&str], quality: Quality) -> Groom {
     let text = grooms::by_name(name).expect("a shipped groom");
     let mut document = file::read(text).expect("shipped grooms are valid").document;
     for (socket, text) in edits {
@@ -142,9 +151,10 @@ pub fn groom(name: &str, edits: &[(&str, &str)], sockets: &[&str]) -> Groom {
     let outputs = targets.len();
     targets.extend(sockets.iter().map(|text| text.parse::<Socket>().expect("NODE.OUTPUT")));
     targets.extend(of("head", "scalp"));
-    let plan = plan(&document, &targets, Quality::Final, &DiskFiles::default()).expect("a plan");
+    let plan = plan(&document, &targets, quality, &DiskFiles::default()).expect("a plan");
     let evaluator = Evaluator::new(2, 0).expect("threads");
     let outcome = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+    let stands_for = stands_for(&outcome.nodes);
     let mut curves = outcome.targets.into_iter().map(|value| match value {
         Some(Value::Curves(curves)) => Ok(curves),
         Some(Value::Scalp(scalp)) => Err(scalp),
@@ -153,13 +163,15 @@ pub fn groom(name: &str, edits: &[(&str, &str)], sockets: &[&str]) -> Groom {
     let hair = curves.by_ref().take(outputs).flatten().flat_map(|c| c.tufts().to_vec()).collect();
     let more = curves.by_ref().take(sockets.len()).flatten().collect();
     let scalp = curves.next().and_then(Result::err).expect("a head");
-    Groom { hair: Curves::new(hair), more, scalp }
+    Groom { hair: Curves::new(hair), stands_for, more, scalp }
 }
 
 /// A groom in memory.
 pub struct Groom {
-    /// All its hair.
+    /// All its hair, and how many strands of the final hair each stands for.
     pub hair: Curves,
+    /// 1 where all hair was made.
+    pub stands_for: f32,
     /// Other curves that were asked for.
     pub more: Vec<Curves>,
     /// Its head.

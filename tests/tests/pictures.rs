@@ -10,13 +10,14 @@
 
 use coif_nodes::data::attributes::{BRAID, COLOUR, Domain, ID, WIDTH};
 use coif_nodes::data::curves::Curves;
+use coif_nodes::eval::Quality;
 use coif_nodes::maths::hair_colour::{absorption_of_melanin, colour_of};
 use coif_nodes::maths::hash::KeyBuilder;
 use coif_shaders::camera::{Subject, Viewpoint, frame};
 use coif_shaders::surface::{RootGrid, SPREAD, Solid, Tone, ground, head_solid, tubes};
 use coif_shaders::view::{Paint, View};
 use coif_shaders::{Environment, Look, Model, Picture, Renderer, Rig, Transform};
-use coif_tests::{Groom, gpu, groom, repository};
+use coif_tests::{Groom, gpu, groom, groom_made, repository};
 use glam::Vec3;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip, magma_lut};
 use std::collections::BTreeMap;
@@ -90,9 +91,12 @@ impl<'a> Scene<'a> {
         let aspect = WIDTH_PIXELS as f32 / HEIGHT_PIXELS as f32;
         renderer.set_camera(&frame(&self.viewpoint, &subject, 85.0, aspect));
         renderer.set_rig(&self.rig);
-        renderer.set_look(&self.look);
+        renderer.set_look(&Look { stands_for: self.groom.stands_for, ..self.look });
         renderer.set_solids(self.solids.clone());
-        let roots = self.rooted.then(|| RootGrid::of(&self.groom.hair, SPREAD)).flatten();
+        let roots = self
+            .rooted
+            .then(|| RootGrid::of(&self.groom.hair, SPREAD, self.groom.stands_for))
+            .flatten();
         renderer.set_roots(roots);
         renderer.set_hair(&self.drawn, &self.paint);
         assert!(renderer.render(self.samples, &|_| false));
@@ -467,5 +471,40 @@ fn dark_hair_can_be_judged_on_any_skin() {
         let apart = |a: f32, b: f32| (a / b).max(b / a);
         assert!(apart(crown, valley) >= 1.5, "skin {tone}: crown {crown}, valley {valley}");
         assert!(apart(skin, hair) >= 2.0, "skin {tone}: parting {skin}, hair {hair}");
+    }
+}
+
+/// A tenth of the strands, each as much wider as there are fewer, looks as full as all of them: on the head it is as bright, and
+/// alone it covers as much.
+#[test]
+fn a_preview_covers_the_head_and_shines_as_the_final_hair_does() {
+    let Some(mut renderer) =
+        renderer("a_preview_covers_the_head_and_shines_as_the_final_hair_does")
+    else {
+        return;
+    };
+    type Edits = &'static [(&'static str, &'static str)];
+    let cases: [(&str, Edits); 3] = [
+        ("start", &[("hair.count", "30000"), ("guides.count", "100")]),
+        ("curls_3b", &[("guides.count", "80"), ("loose.count", "400")]),
+        ("braids", &[("fill.points", "40"), ("sections.count", "60000")]),
+    ];
+    for (name, edits) in cases {
+        let [all, few] =
+            [Quality::Final, Quality::Preview].map(|quality| groom_made(name, edits, &[], quality));
+        let strands = [&all, &few].map(|groom| groom.hair.curve_count());
+        assert!(2 * strands[1] < strands[0], "{name}: {strands:?} strands");
+        let [lit, thin_lit] = [&all, &few].map(|groom| {
+            let picture =
+                Scene { viewpoint: Viewpoint::Crown, ..Scene::of(groom) }.draw(&mut renderer);
+            picture.linear.iter().map(luminance).sum::<f32>() / picture.linear.len() as f32
+        });
+        let [covered, thin_covered] = [&all, &few].map(|groom| {
+            let scene = Scene { viewpoint: Viewpoint::Crown, samples: 4, ..Scene::of_hair(groom) };
+            coverage(&scene.draw(&mut renderer))
+        });
+        assert!((thin_lit / lit - 1.0).abs() < 0.1, "{name}: luminance {thin_lit}, final {lit}");
+        let off = (thin_covered / covered - 1.0).abs();
+        assert!(off < 0.1, "{name}: coverage {thin_covered}, final {covered}");
     }
 }

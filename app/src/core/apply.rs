@@ -108,7 +108,7 @@ impl State {
                 }
                 self.keep();
             }
-            Err(why) => self.notes.say(Note::error(why)),
+            Err(why) => self.notes.say(Note::error(why).of_groom()),
         }
     }
 

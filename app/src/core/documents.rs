@@ -22,6 +22,8 @@ pub enum DocumentEvent {
     Find(NodeId, String),
     /// A mesh becomes the head.
     Mesh(PathBuf),
+    /// A new document with nothing but a mesh as its head.
+    NewHead(PathBuf),
     /// The head stands as it should, or is taken back.
     Head(HeadChoice),
     /// Hair is written to a file.
@@ -103,6 +105,8 @@ pub enum Purpose {
     Compare,
     /// A mesh for the head.
     Mesh,
+    /// A mesh for the head of a new groom.
+    NewHead,
     /// A mesh instead of one that is missing, for the same node.
     Find,
     /// Where the groom is saved.

@@ -62,12 +62,14 @@ pub struct Note {
     pub input: Option<String>,
     /// What happened and what to do.
     pub text: String,
+    /// Whether it is about the groom as it was then: a change of the groom makes it old.
+    pub of_groom: bool,
 }
 
 impl Note {
     /// Something was done.
     pub fn done(text: impl Into<String>) -> Self {
-        Self { gravity: Gravity::Note, node: None, input: None, text: text.into() }
+        Self { gravity: Gravity::Note, node: None, input: None, text: text.into(), of_groom: false }
     }
     /// Something went wrong, but not all.
     pub fn warning(text: impl Into<String>) -> Self {
@@ -86,7 +88,11 @@ impl Note {
     }
     /// The same, about a node.
     pub fn of(self, node: NodeId) -> Self {
-        Self { node: Some(node), ..self }
+        Self { node: Some(node), ..self }.of_groom()
+    }
+    /// The same, about the groom as it is now.
+    pub fn of_groom(self) -> Self {
+        Self { of_groom: true, ..self }
     }
 }
 

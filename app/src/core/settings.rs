@@ -46,7 +46,7 @@ impl Default for Settings {
             pen_mode: false,
             pen: Default::default(),
             strong_contrast: false,
-            save_minutes: 0,
+            save_minutes: SAVE_MINUTES,
             welcome: true,
         }
     }
@@ -56,6 +56,8 @@ impl Default for Settings {
 pub(crate) const SCALES: std::ops::RangeInclusive<f32> = 0.75..=2.5;
 /// Samples that a picture at rest may have.
 pub(crate) const SAMPLES: std::ops::RangeInclusive<u32> = 1..=4096;
+/// How long changes of a document that has a file wait at first until they are saved, minutes.
+pub(crate) const SAVE_MINUTES: u32 = 10;
 /// The longest time between two saves.
 pub(crate) const MOST_MINUTES: u32 = 600;
 

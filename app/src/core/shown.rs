@@ -26,10 +26,14 @@ pub struct Shown {
     pub sockets: Vec<Socket>,
     /// Their curves together.
     pub curves: Curves,
+    /// Whether this is the head alone, shown while its hair is being made.
+    pub head_alone: bool,
     /// The heads that they stand on.
     pub scalps: Vec<Arc<Scalp>>,
     /// Every value that was asked for, by output.
     pub values: BTreeMap<Socket, Value>,
+    /// How many strands of the final hair each of these stands for, 1 or more: pictures draw it as much wider.
+    pub stands_for: f32,
     /// How many strands the same outputs had in the last final evaluation.
     pub final_strands: Option<usize>,
     /// Wall time of the evaluation, milliseconds.

@@ -9,6 +9,7 @@ use crate::core::settings::Settings;
 use crate::core::shown::{RunStatus, Shown, Trace};
 use crate::core::templates::{Offer, ShelfRow};
 use crate::core::visibility::Visibility;
+use crate::words::counted;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Node, NodeId, Socket};
 use coif_nodes::define::NodeError;
@@ -126,6 +127,19 @@ impl State {
         }
     }
 
+    /// What runs and how much of it is left: "Interpolate (62 %), 3 of 9 nodes left".
+    pub fn left_to_run(&self) -> String {
+        let ((done, of), (pieces, all)) = (self.run.nodes, self.run.pieces);
+        let mut text = self.called(&self.run.node).into_owned();
+        if all > 1 {
+            text += &format!(" ({} %)", 100 * pieces / all);
+        }
+        if of > 0 {
+            text += &format!(", {} of {} left", of.saturating_sub(done), counted(of, "node"));
+        }
+        text
+    }
+
     /// Whether something is dragged that changes hair: previews are enough. A node that is moved on the canvas changes none.
     pub fn drags_hair(&self) -> bool {
         self.gesture && self.changes_hair
@@ -140,7 +154,8 @@ impl State {
 
     /// Whether what is shown is not what the document says now.
     pub fn stale(&self) -> bool {
-        self.shown.as_ref().is_none_or(|shown| shown.revision != self.revision)
+        let shown = self.shown.as_ref();
+        shown.is_none_or(|shown| shown.head_alone || shown.revision != self.revision)
     }
 
     /// The question about a displayed curve; none where nothing is displayed.

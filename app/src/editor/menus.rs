@@ -9,7 +9,6 @@ use crate::core::room::Room;
 use crate::core::state::Select;
 use crate::widgets::text::spoken;
 use crate::widgets::{panel, theme};
-use crate::words::counted;
 use coif_graphs::document::NodeId;
 use coif_nodes::define::NodeDef;
 use egui::{Button, Panel, RichText};
@@ -64,11 +63,9 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
             let run = &editor.state.run;
             match run.since {
                 Some(since) => {
-                    let (done, of) = run.nodes;
-                    let name = editor.state.called(&run.node);
                     let seconds = since.elapsed().as_secs_f32();
-                    let nodes = counted(of, "node");
-                    let text = format!("evaluating {name} ({done} of {nodes}, {seconds:.1} s)");
+                    let left = editor.state.left_to_run();
+                    let text = format!("evaluating {left}, {seconds:.1} s");
                     ui.spinner();
                     ui.label(text);
                     if ui.button("Stop").on_hover_text("Keep the last picture (Escape)").clicked() {
@@ -95,8 +92,7 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
                 return;
             }
             // Old news leaves; the messages keep it.
-            let news = editor.toasts.is_news(editor.state.now);
-            if let Some(note) = editor.state.notes.all().last().filter(|_| news) {
+            if let Some(note) = editor.toasts.news() {
                 ui.add(egui::Label::new(RichText::new(&note.text).color(theme::QUIET)).truncate());
             }
         });

@@ -27,7 +27,7 @@ use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::settings::{Evaluate, Settings};
-use crate::core::shown::first_output;
+use crate::core::shown::{displayed, first_output};
 use crate::core::state::{OpenFile, State};
 use crate::jobs::evaluation::{Evaluation, EvaluationRequest, Finished};
 use crate::places::Places;
@@ -41,6 +41,7 @@ use crate::rooms::spreadsheet::Spreadsheet;
 use crate::rooms::templates::{Templates, carried};
 use crate::rooms::viewport::Viewport;
 use crate::widgets::{panel, theme};
+use coif_graphs::document::graph::upstream;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::cache::usual_budget;
@@ -57,8 +58,8 @@ use tour::Tour;
 
 /// Where all hair was made within this time, milliseconds, what is dragged is shown whole.
 const QUICK_MS: f64 = 20.0;
-/// A final evaluation that took longer (milliseconds) is led by a preview when something changes; the picture of one that
-/// did not begins anew once.
+/// A final evaluation that took longer (milliseconds) is led by a preview when something changes, as is one of which nothing is known;
+/// the picture of one that did not begins anew once.
 const SLOW_MS: f64 = 1000.0;
 
 /// The editor.
@@ -346,12 +347,16 @@ impl Editor {
         state.history = history;
         state.revision = old.revision + 1;
         state.changes = old.changes + 1;
-        (state.shown, state.run) = (old.shown, old.run);
+        state.shown = old.shown;
         (state.notes, state.focus, state.shelf) = (old.notes, old.focus, old.shelf);
         state.now = old.now;
+        if let Some(evaluation) = &self.evaluation {
+            evaluation.forget();
+        }
         // Also where evaluation waits for a key, a new document is seen.
         self.asked = None;
-        self.last_final_ms = 0.0;
+        // Nothing is known of it: a preview comes first.
+        self.last_final_ms = f64::INFINITY;
     }
 
     fn finished(&mut self, finished: Finished) {
@@ -367,7 +372,7 @@ impl Editor {
     fn wanted(&self) -> Wanted {
         let state = &self.state;
         let answered = state.run.reports.revision == state.revision;
-        let slow = self.last_final_ms > SLOW_MS && !answered;
+        let slow = !answered && (self.last_final_ms > SLOW_MS || makes_unknown_hair(state));
         let drags = state.drags_hair() && self.last_final_ms > QUICK_MS;
         let preview = (drags || slow) && !state.settings.final_while_dragging;
         let nodes = [state.active(), state.pinned.as_ref()];
@@ -382,6 +387,11 @@ impl Editor {
                 .collect(),
             folder: state.file.folder.clone(),
         }
+    }
+
+    /// Whether another document, or another head, is to be seen; a head that is turned by hand is none.
+    fn is_afresh(&self) -> bool {
+        self.state.shown.is_none() || self.documents.is_framing() && !self.state.gesture
     }
 
     /// Asks for an evaluation where one is due.
@@ -404,10 +414,22 @@ impl Editor {
                 also: wanted.also.clone(),
                 quality: wanted.quality,
                 allow_large: self.state.allow_large,
+                afresh: self.is_afresh(),
+                unknown: makes_unknown_hair(&self.state),
+                drags: self.state.gesture,
             });
         }
         self.asked = Some(wanted);
     }
+}
+
+/// Whether what is displayed needs a node that makes strands and has not run yet: nobody knows how long it takes.
+fn makes_unknown_hair(state: &State) -> bool {
+    let (document, known) = (&state.document, &state.run.reports.nodes);
+    let sockets = displayed(document);
+    let way = upstream(document, sockets.iter().map(|socket| &socket.node));
+    let mut new = way.iter().filter(|id| !known.contains_key(*id));
+    new.any(|id| document.def(id).is_some_and(|def| def.thins))
 }
 
 fn dock_style(ui: &egui::Ui) -> egui_dock::Style {

@@ -3,7 +3,9 @@
 use super::actions;
 use super::keys::Keys;
 use crate::core::event::Event;
-use crate::core::settings::{Evaluate, MOST_MINUTES, Navigation, SAMPLES, SCALES, Settings};
+use crate::core::settings::{
+    Evaluate, MOST_MINUTES, Navigation, SAMPLES, SAVE_MINUTES, SCALES, Settings,
+};
 use crate::widgets::panel;
 use egui::{DragValue, Grid, Slider};
 
@@ -120,7 +122,7 @@ fn rows(new: &mut Settings, keys: &Keys, ui: &mut egui::Ui, out: &mut Vec<Event>
         let mut does = new.save_minutes > 0;
         let tip = "Saves a groom that has a file. Recovery after a crash works without it";
         if ui.checkbox(&mut does, "every").on_hover_text(tip).changed() {
-            new.save_minutes = if does { 10 } else { 0 };
+            new.save_minutes = if does { SAVE_MINUTES } else { 0 };
         }
         if does {
             ui.add(DragValue::new(&mut new.save_minutes).range(1..=MOST_MINUTES).suffix(" min"));

@@ -793,3 +793,60 @@ fn numbers_beside_names_are_those_of_this_groom() {
     rest(&mut hands);
     assert_eq!(count(&hands, "rows"), None);
 }
+
+/// What was wrong goes as soon as it is mended, and what is wrong with a file stays.
+#[test]
+fn what_was_said_of_a_groom_leaves_when_the_groom_changes() {
+    use crate::core::notes::Note;
+    use coif_graphs::document::edit::Edit;
+    let mut hands = Hands::on(rows(), SIZE, 1.0);
+    let seen = |hands: &Hands, words: &str| hands.0.query_all_by_label_contains(words).count();
+    hands.editor().apply(Event::Say(Note::error("not saved: the disk is full")));
+    let twice = Edit::RemoveNode { id: NodeId::new("nobody").unwrap() };
+    hands.editor().apply(Event::Edit(twice));
+    hands.steps(3);
+    let before = seen(&hands, "nobody");
+    assert!(before > 0 && seen(&hands, "disk is full") > 0);
+    hands.editor().apply(Event::Edit(Edit::SetSeed(7)));
+    hands.steps(3);
+    assert!(seen(&hands, "nobody") < before, "it stays in the corner");
+    assert!(seen(&hands, "disk is full") > 0);
+    // While a hand drags, nothing that is said of what it does goes by its own steps.
+    let rows = NodeId::new("rows").unwrap();
+    hands.editor().apply(Event::Begin("drag".to_owned()));
+    hands.editor().apply(Event::Say(Note::warning("no curve is there").of(rows)));
+    hands.steps(1);
+    for seed in 8..12 {
+        hands.editor().apply(Event::Edit(Edit::SetSeed(seed)));
+        hands.steps(1);
+    }
+    hands.editor().apply(Event::End);
+    hands.steps(3);
+    assert!(seen(&hands, "no curve is there") > 0);
+    hands.editor().apply(Event::Edit(Edit::SetSeed(2)));
+    hands.steps(3);
+    assert_eq!(seen(&hands, "no curve is there"), 0);
+}
+
+#[test]
+fn another_groom_begins_with_a_preview_and_without_counts_of_the_one_before() {
+    let mut hands = Hands::on(groom("puffs"), SIZE, 1.0);
+    until("all is evaluated", || {
+        hands.steps(1);
+        hands.0.state().is_idle()
+    });
+    assert!(!hands.editor().state.run.reports.nodes.is_empty());
+    let new = crate::core::documents::DocumentEvent::New(Some("start"));
+    hands.editor().apply(Event::Documents(new));
+    hands.steps(1);
+    assert!(hands.editor().state.run.reports.nodes.is_empty(), "counts of the groom before");
+    let mut seen: Vec<(bool, bool)> = vec![];
+    until("all is evaluated", || {
+        hands.steps(1);
+        let shown = hands.0.state().state.shown.as_ref().filter(|shown| !shown.head_alone);
+        let now = shown.map(|shown| (shown.is_final(), shown.stands_for > 1.0));
+        seen.extend(now.filter(|now| seen.last() != Some(now)));
+        hands.0.state().is_idle()
+    });
+    assert_eq!(seen, [(false, true), (true, false)], "a tenth first, then all");
+}

@@ -1,13 +1,14 @@
 //! What must be seen: failures and warnings, each with its reason and its remedy, in the corner above the status line; and
 //! questions that came up by themselves. None moves anything; all of it is in the messages too.
 //!
-//! Guarantees: what was said leaves by itself, or when it is put away; while the pen draws nothing comes up.
+//! Guarantees: what was said leaves by itself, or when it is put away, and what was said of the groom as soon as that is changed; while the pen draws nothing comes up.
 
 use super::Editor;
 use super::documents;
 use crate::core::event::Event;
 use crate::core::notes::{Gravity, Note};
 use crate::core::room::Room;
+use crate::core::state::State;
 use crate::widgets::panel;
 use egui::{Align2, Area, Context, Frame, Id, Label, Order, ScrollArea};
 use std::time::Duration;
@@ -25,32 +26,58 @@ const WIDTH: f32 = 340.0;
 pub(crate) struct Toasts {
     /// How much had been said.
     count: usize,
-    /// When the last of it was said, seconds of the window.
-    last: f64,
-    seen: Vec<(Note, f64)>,
+    /// The last of it, while that is news: for the status line.
+    last: Option<Toast>,
+    seen: Vec<Toast>,
+    /// Whether a gesture was on.
+    gesture: bool,
+}
+
+#[derive(Clone)]
+struct Toast {
+    note: Note,
+    /// When it was said, seconds of the window, and after how many changes of the groom: those of the gesture that it was said in count
+    /// as before it.
+    since: f64,
+    changes: u64,
+}
+
+impl Toast {
+    /// Whether it is worth seeing still, so many seconds after it was said at most.
+    fn is_news(&self, now: f64, changes: u64, lasts: f64) -> bool {
+        now - self.since < lasts && !(self.note.of_groom && self.changes != changes)
+    }
 }
 
 impl Toasts {
-    /// Whether what was said last is news still.
-    pub(crate) fn is_news(&self, now: f64) -> bool {
-        now - self.last < DONE
+    /// What was said last, while that is news.
+    pub(crate) fn news(&self) -> Option<&Note> {
+        self.last.as_ref().map(|toast| &toast.note)
     }
 
     fn learn(&mut self, editor: &Editor) {
-        let (notes, now) = (&editor.state.notes, editor.state.now);
+        let State { notes, now, changes, gesture, .. } = &editor.state;
+        let (now, changes) = (*now, *changes);
         let new = notes.count().saturating_sub(self.count);
         if new > 0 {
-            (self.count, self.last) = (notes.count(), now);
+            self.count = notes.count();
             let all = notes.all();
+            let toast = |note: &Note| Toast { note: note.clone(), since: now, changes };
+            self.last = all.last().map(toast);
             for note in &all[all.len().saturating_sub(new)..] {
-                self.seen.retain(|(old, _)| old != note);
+                self.seen.retain(|old| old.note != *note);
                 if note.gravity > Gravity::Note {
-                    self.seen.push((note.clone(), now));
+                    self.seen.push(toast(note));
                 }
             }
         }
+        // The last change of a gesture comes with its end.
+        if std::mem::replace(&mut self.gesture, *gesture) || *gesture {
+            self.seen.iter_mut().chain(&mut self.last).for_each(|toast| toast.changes = changes);
+        }
         let lasts = |note: &Note| if note.gravity == Gravity::Error { FAILURE } else { WARNING };
-        self.seen.retain(|(note, since)| now - since < lasts(note));
+        self.seen.retain(|toast| toast.is_news(now, changes, lasts(&toast.note)));
+        self.last.take_if(|last| !last.is_news(now, changes, DONE));
         let over = self.seen.len().saturating_sub(MOST);
         self.seen.drain(..over);
     }
@@ -79,7 +106,7 @@ pub(super) fn ui(editor: &mut Editor, ctx: &Context) {
                 area.show(ui, |ui| {
                     // The newest on top: what is pressed below it stays where it is.
                     let mut away = None;
-                    for (at, (note, _)) in toasts.seen.iter().enumerate().rev() {
+                    for (at, Toast { note, .. }) in toasts.seen.iter().enumerate().rev() {
                         if toast(note, ui, &mut out) {
                             away = Some(at);
                         }
@@ -92,7 +119,7 @@ pub(super) fn ui(editor: &mut Editor, ctx: &Context) {
                 });
             });
     }
-    if !toasts.seen.is_empty() || toasts.is_news(editor.state.now) {
+    if !toasts.seen.is_empty() || toasts.last.is_some() {
         ctx.request_repaint_after(Duration::from_millis(500));
     }
     editor.toasts = toasts;

@@ -2,7 +2,7 @@
 //!
 //! Guarantees: asking never waits; of several requests only the newest is run; a newer one stops what runs, except that a
 //! preview which follows a stopped one is let through, so that a picture comes however fast the hand is. What is handed over
-//! is final only when nothing newer was asked for meanwhile. Another document is evaluated beside it when nothing else is to be done.
+//! is final only when nothing newer was asked for meanwhile; of another document or head, the head comes first, without hair; of hair that was never made, a hundredth does. Another document is evaluated beside it when nothing else is to be done.
 //! Not guaranteed: that every request has an answer.
 
 use crate::core::lineage::{Ancestor, lineage};
@@ -13,7 +13,7 @@ use coif_graphs::document::{Document, Node, NodeId, Socket};
 use coif_graphs::schedule::budget::used;
 use coif_graphs::schedule::files::DiskFiles;
 use coif_graphs::schedule::request::{plan, plan_possible};
-use coif_graphs::schedule::result::Outcome;
+use coif_graphs::schedule::result::{Outcome, stands_for};
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress, Quiet};
 use coif_graphs::trace;
 use coif_nodes::data::curves::Curves;
@@ -40,6 +40,12 @@ pub(crate) struct EvaluationRequest {
     pub quality: Quality,
     /// Whether nodes may make more than a groom is to have.
     pub allow_large: bool,
+    /// Another document or another head than before: the head is handed over before its hair is made.
+    pub afresh: bool,
+    /// Of its hair nothing is known yet: some of it is handed over before so much as a preview is made.
+    pub unknown: bool,
+    /// Something is dragged: what failed before is told until it is known anew, and not taken back in between.
+    pub drags: bool,
 }
 
 /// What is handed over.
@@ -119,7 +125,8 @@ impl Evaluation {
         if let Some((cancel, quality)) = &desk.running {
             let let_through = desk.stopped_last
                 && *quality == Quality::Preview
-                && request.quality == Quality::Preview;
+                && request.quality == Quality::Preview
+                && !request.afresh;
             if !let_through {
                 cancel.cancel();
                 desk.stopped_last = true;
@@ -137,6 +144,13 @@ impl Evaluation {
         if let Some((cancel, _)) = &desk.running {
             cancel.cancel();
         }
+    }
+
+    /// The same, and forgets what was said of a document that is gone.
+    pub(crate) fn forget(&self) {
+        self.stop();
+        let mut desk = self.shared.desk();
+        (desk.finished, desk.status.reports) = (None, Arc::default());
     }
 
     /// Asks for an evaluation of another document, instead of what was asked so before; answered when nothing else is to be done.
@@ -266,13 +280,34 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
         desk.status.since = Some(Instant::now());
         desk.status.revision = request.revision;
         desk.status.nodes = (0, 0);
+        let changed = changed(&before, &request.document);
+        if !request.drags {
+            desk.status.reports = without_failures(&desk.status.reports, &changed);
+        }
         drop(desk);
         if files.0 != request.folder {
             files = (request.folder.clone(), DiskFiles::new(&request.folder));
         }
-        let changed = changed(&before, &request.document);
         reports.nodes.retain(|id, _| !changed.contains(id));
         let told = Told { shared };
+        if request.afresh
+            && let Some(head) = head_alone(evaluator, &request, &files.1, (&cancel, &told))
+        {
+            shared.desk().finished = Some(Finished { shown: Some(head), reports: reports.clone() });
+            (shared.wake)();
+        }
+        if request.unknown && request.quality == Quality::Preview {
+            let first =
+                EvaluationRequest { quality: Quality::FirstLook, also: vec![], ..request.clone() };
+            // What nodes say of so little hair is not repeated.
+            let said = &mut Reports::default();
+            let shown = evaluate(evaluator, &first, &files.1, (&cancel, &told), said);
+            if let Some(shown) = shown.filter(|shown| shown.curves.curve_count() > 0) {
+                let reports = reports.clone();
+                shared.desk().finished = Some(Finished { shown: Some(shown), reports });
+                (shared.wake)();
+            }
+        }
         let shown = evaluate(evaluator, &request, &files.1, (&cancel, &told), &mut reports);
         before = request.document.clone();
         let mut desk = shared.desk();
@@ -359,6 +394,21 @@ fn changed(before: &Document, now: &Document) -> BTreeSet<NodeId> {
     downstream(now, ids)
 }
 
+/// What nodes said, without what failed in those that have changed since.
+fn without_failures(reports: &Arc<Reports>, changed: &BTreeSet<NodeId>) -> Arc<Reports> {
+    let is_old = |id: &str| changed.contains(id);
+    let failed =
+        reports.nodes.iter().any(|(id, report)| report.error.is_some() && changed.contains(id));
+    if !failed && !reports.refused.iter().any(|bad| is_old(&bad.node)) {
+        return reports.clone();
+    }
+    let mut left = Reports::clone(reports);
+    left.refused.retain(|bad| !is_old(&bad.node));
+    let old = left.nodes.iter_mut().filter(|(id, _)| changed.contains(*id));
+    old.for_each(|(_, report)| report.error = None);
+    Arc::new(left)
+}
+
 /// Evaluates another document, unless it is stopped.
 fn beside(
     shared: &Shared,
@@ -379,6 +429,46 @@ fn beside(
         drop(desk);
         (shared.wake)();
     }
+}
+
+/// The heads that what is displayed stands on, which come out again from what is kept when the hair is made; none where there is
+/// none, or somebody asked to stop.
+fn head_alone(
+    evaluator: &Evaluator,
+    request: &EvaluationRequest,
+    files: &DiskFiles,
+    (cancel, told): (&CancelToken, &dyn Progress),
+) -> Option<Shown> {
+    let began = Instant::now();
+    let document = &request.document;
+    let sockets = displayed(document);
+    let mut heads = heads(document, sockets.iter().map(|socket| &socket.node));
+    let (planned, refused) = plan_possible(document, &heads, request.quality, files);
+    let mut possible = refused.iter().map(Option::is_none);
+    heads.retain(|_| possible.next().unwrap_or(false));
+    let outcome = evaluator.run(&planned, OnFailure::PassThrough, cancel, told);
+    let values: BTreeMap<Socket, Value> =
+        heads.into_iter().zip(outcome.targets).filter_map(|(s, v)| Some((s, v?))).collect();
+    let scalps: Vec<Arc<Scalp>> = values
+        .values()
+        .filter_map(|value| match value {
+            Value::Scalp(scalp) => Some(scalp.clone()),
+            _ => None,
+        })
+        .collect();
+    (!scalps.is_empty()).then(|| Shown {
+        revision: request.revision,
+        quality: Quality::Preview,
+        sockets,
+        curves: Curves::default(),
+        head_alone: true,
+        scalps,
+        values,
+        stands_for: 1.0,
+        final_strands: None,
+        ms: began.elapsed().as_secs_f64() * 1e3,
+        over: vec![],
+    })
 }
 
 fn evaluate(
@@ -418,6 +508,10 @@ fn evaluate(
     let mut over = used(&document.budget, &outcome, displayed);
     over.retain(|used| used.is_over() && request.quality == Quality::Final);
     let Outcome { targets: values, nodes, .. } = outcome;
+    // What is asked for besides what is displayed makes hair that is not seen.
+    let way = upstream(document, sockets.iter().map(|socket| &socket.node));
+    let seen = nodes.iter().filter(|node| way.iter().any(|id| id.as_str() == node.name));
+    let stands_for = stands_for(seen);
     for report in nodes {
         if let Ok(id) = NodeId::new(&report.name) {
             reports.nodes.insert(id, report);
@@ -444,8 +538,10 @@ fn evaluate(
         quality: request.quality,
         sockets,
         curves: Curves::new(tufts),
+        head_alone: false,
         scalps,
         values,
+        stands_for,
         final_strands: None,
         ms: began.elapsed().as_secs_f64() * 1e3,
         over,
@@ -481,5 +577,96 @@ impl Progress for Told<'_> {
     }
     fn done(&self, nodes: usize, of: usize) {
         self.shared.desk().status.nodes = (nodes, of);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coif_graphs::{file, grooms};
+    use std::sync::mpsc::sync_channel;
+
+    fn request(groom: &str, quality: Quality, afresh: bool) -> EvaluationRequest {
+        let document = file::read(grooms::by_name(groom).unwrap()).unwrap().document;
+        let (folder, also) = (PathBuf::new(), vec![]);
+        let (allow_large, drags, unknown) = (false, false, afresh);
+        EvaluationRequest {
+            revision: 1,
+            document,
+            folder,
+            also,
+            quality,
+            allow_large,
+            afresh,
+            drags,
+            unknown,
+        }
+    }
+
+    /// What is handed over of a request, one after the other: nothing is made until the one before was taken.
+    fn handed_over(request: EvaluationRequest) -> Vec<Shown> {
+        let (told, hears) = sync_channel(0);
+        let evaluation = Evaluation::start(1 << 30, move || {
+            // After the last there is nobody to hear.
+            let _ = told.send(());
+        })
+        .unwrap();
+        let quality = request.quality;
+        evaluation.ask(request);
+        let mut all: Vec<Shown> = vec![];
+        while all.last().is_none_or(|shown| shown.head_alone || shown.quality != quality) {
+            hears.recv().unwrap();
+            all.extend(evaluation.take().and_then(|finished| finished.shown));
+        }
+        all
+    }
+
+    #[test]
+    fn of_another_document_the_head_is_shown_before_its_hair_and_a_hundredth_before_a_tenth() {
+        let what = |afresh| -> Vec<(bool, Quality, usize)> {
+            let all = handed_over(request("puffs", Quality::Preview, afresh));
+            assert!(all.iter().all(|shown| shown.scalps.len() == 1));
+            all.iter().map(|it| (it.head_alone, it.quality, it.curves.curve_count())).collect()
+        };
+        let [(true, _, 0), (false, Quality::FirstLook, first), (false, Quality::Preview, tenth)] =
+            what(true)[..]
+        else {
+            panic!("{:?}", what(true));
+        };
+        assert!(first > 0 && 5 * first < tenth, "{first} strands, then {tenth}");
+        assert_eq!(what(false), [(false, Quality::Preview, tenth)], "where it is known");
+    }
+
+    #[test]
+    fn a_preview_knows_how_many_strands_each_of_it_stands_for() {
+        let of = |quality| {
+            let shown = handed_over(request("puffs", quality, false)).remove(0);
+            (shown.curves.curve_count() as f32, shown.stands_for)
+        };
+        let ((few, stands_for), (all, one)) = (of(Quality::Preview), of(Quality::Final));
+        assert_eq!(one, 1.0);
+        assert!((few * stands_for / all - 1.0).abs() < 0.02, "{few} x {stands_for}, {all}");
+    }
+
+    #[test]
+    fn what_failed_is_forgotten_where_the_groom_has_changed_since() {
+        let id = |name: &str| NodeId::new(name).unwrap();
+        let mut told = Reports::default();
+        for name in ["a", "b"] {
+            let error = Some(coif_nodes::define::NodeError::failed("no guides"));
+            let report = coif_graphs::schedule::result::NodeReport {
+                name: name.to_owned(),
+                curves: 7,
+                error,
+                ..Default::default()
+            };
+            told.nodes.insert(id(name), report);
+        }
+        let told = Arc::new(told);
+        assert!(Arc::ptr_eq(&without_failures(&told, &[id("c")].into()), &told));
+        let left = without_failures(&told, &[id("a")].into());
+        let failed: Vec<&str> = left.failures().iter().map(|(node, _)| *node).collect();
+        assert_eq!(failed, ["b"]);
+        assert_eq!(left.nodes["a"].curves, 7, "what it made is shown still");
     }
 }

@@ -166,6 +166,8 @@ pub(crate) struct Dressed {
     pub(crate) tubes: Option<Solid>,
     /// Where hair darkens the skin.
     pub(crate) roots: Option<RootGrid>,
+    /// How many strands of the final hair each that is drawn stands for.
+    pub(crate) stands_for: f32,
 }
 
 impl Dressed {
@@ -177,13 +179,13 @@ impl Dressed {
         ground(heads, heights.fold(f32::INFINITY, f32::min))
     }
 
-    /// What is drawn of `hair`, or of the curves that it follows.
+    /// What is drawn of `hair`, each strand of which stands for so many of the final hair, or of the curves that it follows.
     ///
     /// # Errors
     /// In one line for a person: when a view cannot be made of these curves.
     pub(crate) fn of(
         show: &Show,
-        hair: &Curves,
+        (hair, stands_for): (&Curves, f32),
         followed: &Curves,
         scalp: Option<&Scalp>,
     ) -> Result<Self, String> {
@@ -192,18 +194,20 @@ impl Dressed {
                 drawn: hair.clone(),
                 paint: view.paint(hair, scalp)?,
                 tubes: None,
-                roots: RootGrid::of(hair, SPREAD),
+                roots: RootGrid::of(hair, SPREAD, stands_for),
+                stands_for,
             },
             Show::Guides => {
                 let drawn = thick(followed);
                 let paint = View::Attribute(ID.name.to_owned()).paint(&drawn, scalp)?;
-                Self { drawn, paint, tubes: None, roots: None }
+                Self { drawn, paint, tubes: None, roots: None, stands_for: 1.0 }
             }
             Show::Clusters => Self {
                 drawn: Curves::default(),
                 paint: Paint::plain(Vec3::ONE),
                 tubes: Some(tubes(followed)),
                 roots: None,
+                stands_for: 1.0,
             },
         })
     }
@@ -243,7 +247,7 @@ mod tests {
         let head = head_solid(&scalp, Tone::Monk(5));
         let lowest = head.points.iter().fold(f32::MAX, |low, p| low.min(p.y));
         let height = |show: &Show, hair: &Curves, heads: &[Solid]| {
-            let dressed = Dressed::of(show, hair, hair, None).expect("hair");
+            let dressed = Dressed::of(show, (hair, 1.0), hair, None).expect("hair");
             dressed.ground(heads).map(|ground| ground.points[0].y)
         };
         let hair = Show::Hair(View::Hair);

@@ -5,6 +5,7 @@
 use egui::{
     Context, Id, Popup, Pos2, Rect, Response, ScrollArea, SetOpenCommand, Ui, Vec2, Window,
 };
+use std::ops::RangeInclusive;
 
 /// Height of a panel's title, and what its frame takes.
 const TITLE: f32 = 46.0;
@@ -24,6 +25,16 @@ pub(crate) fn keep_room(ctx: &Context, room: Rect) {
 pub(crate) fn room(ctx: &Context) -> Rect {
     let kept = ctx.data(|data| data.get_temp(area_id()));
     kept.unwrap_or_else(|| ctx.content_rect())
+}
+
+/// Where a panel stands at first: in the wider room beside the picture, as wide as there is room, within limits, so that it hides as
+/// little as can be of what it is about.
+pub(crate) fn beside(room: Rect, picture: Option<Rect>, wide: RangeInclusive<f32>) -> Rect {
+    let sides = picture.map(|it| (it.left() - room.left(), room.right() - it.right()));
+    let (left, right) = sides.unwrap_or((0.0, *wide.end()));
+    let width = left.max(right).clamp(*wide.start(), *wide.end()).min(room.width());
+    let x = if left > right { room.left() } else { room.right() - width };
+    Rect::from_min_size(Pos2::new(x, room.top()), Vec2::new(width, room.height()))
 }
 
 /// The id of a panel. Its place and size are remembered for each size of the window, so that they come back after a smaller

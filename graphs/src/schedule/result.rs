@@ -35,6 +35,8 @@ pub struct NodeReport {
     pub points: usize,
     /// Points of all that it read.
     pub points_read: usize,
+    /// Strands that it made of those that its inputs ask for, and all of these; both 0 where it makes none. A preview makes fewer.
+    pub thinned: [u64; 2],
     /// Bytes that its values hold, without what they share with what it read; of a head with what was asked of it.
     pub bytes: usize,
     /// What it said.
@@ -43,6 +45,16 @@ pub struct NodeReport {
     pub gestures: Vec<Arc<Replayed>>,
     /// Why it failed, if it did.
     pub error: Option<NodeError>,
+}
+
+/// How many strands of the final hair one strand stands for, 1 or more, where these nodes made it: pictures draw it as much wider.
+pub fn stands_for<'a>(nodes: impl IntoIterator<Item = &'a NodeReport>) -> f32 {
+    let sum =
+        |[made, all]: [u64; 2], node: &NodeReport| [made + node.thinned[0], all + node.thinned[1]];
+    match nodes.into_iter().fold([0, 0], sum) {
+        [0, _] => 1.0,
+        [made, all] => (all as f64 / made as f64).max(1.0) as f32,
+    }
 }
 
 /// The end of an evaluation.

@@ -117,7 +117,7 @@ impl Evaluator {
 
     fn pool(&self, quality: Quality) -> &rayon::ThreadPool {
         match quality {
-            Quality::Preview => self.polite.as_ref().unwrap_or(&self.pool),
+            Quality::Preview | Quality::FirstLook => self.polite.as_ref().unwrap_or(&self.pool),
             Quality::Final => &self.pool,
         }
     }
@@ -260,6 +260,7 @@ impl Evaluator {
             report.cached = true;
             report.messages.clone_from(&known.messages);
             report.gestures.clone_from(&known.gestures);
+            report.thinned = known.thinned;
             report.tufts_reused = known.tufts;
             report.bytes = known.held;
             Ok(known.values.clone())
@@ -293,6 +294,7 @@ impl Evaluator {
             report.tufts_run = log.tufts_run.load(Ordering::Relaxed);
             report.tufts_reused = log.tufts_reused.load(Ordering::Relaxed);
             (report.messages, report.gestures) = (log.messages(), log.gestures());
+            report.thinned = log.thinned();
             if let Ok(values) = &result {
                 report.messages.extend(vanished(step, &inputs, values, &report.messages));
                 report.bytes = held::new_bytes(&inputs, values);
@@ -301,6 +303,7 @@ impl Evaluator {
                     values: values.clone(),
                     messages: report.messages.clone(),
                     gestures: report.gestures.clone(),
+                    thinned: report.thinned,
                     tufts: report.tufts_run + report.tufts_reused,
                     held: report.bytes,
                 };
@@ -345,6 +348,7 @@ struct Known {
     values: Vec<Value>,
     messages: Vec<Message>,
     gestures: Vec<Arc<Replayed>>,
+    thinned: [u64; 2],
     tufts: u32,
     /// Bytes of what was new in them, without heads.
     held: usize,

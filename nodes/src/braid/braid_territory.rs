@@ -188,7 +188,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         skin,
     };
     // The first part of the list of even roots is hair; there may be more probes.
-    let last = cx.thinned((f64::from(inputs.density) * maker.even.area()).min(20e6) as usize);
+    let last = cx.makes((f64::from(inputs.density) * maker.even.area()).min(20e6) as usize);
     cx.may_make(&Size::of(&[
         ("hairs of the whole scalp", last as f64),
         ("cvs", inputs.cvs as f64),

@@ -133,7 +133,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             }
             // What asks for more is left out.
             if strands <= MOST && strands * inputs.points as f32 <= MOST_POINTS {
-                all += cx.thinned(strands.round() as usize) as f64;
+                all += cx.makes(strands.round() as usize) as f64;
             }
         }
     }

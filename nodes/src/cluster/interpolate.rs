@@ -126,7 +126,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let make = || Shape::new(&guides[guide], plan.normals[guide], inputs.points as usize);
         shapes[guide].get_or_init(make)
     };
-    let hairs: usize = plan.groups.iter().map(|group| cx.thinned(group.hairs.len())).sum();
+    let hairs: usize = plan.groups.iter().map(|group| cx.makes(group.hairs.len())).sum();
     let size = Size::of(&[("hairs", hairs as f64), ("points", inputs.points as f64)]);
     let [curves] = cx.each_item(plan.groups.len(), &size, key, |i, piece| {
         let group = &plan.groups[i];

@@ -3,7 +3,7 @@
 //! Guarantees: what is said twice is told once, with the number of curves it happened to and the first of them.
 
 use crate::data::gestures::Replayed;
-use std::sync::atomic::AtomicU32;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// How many curves a message names.
@@ -39,11 +39,22 @@ pub struct Log {
     pub tufts_run: AtomicU32,
     /// Pieces that the cache had.
     pub tufts_reused: AtomicU32,
+    /// Strands that were made of those that were asked for, and all of these.
+    thinned: [AtomicU64; 2],
     messages: Mutex<Vec<Message>>,
     pub(super) gestures: Mutex<Vec<Arc<Replayed>>>,
 }
 
 impl Log {
+    /// Strands that the node made of those that its inputs ask for, and all of these; both 0 where it makes none.
+    pub fn thinned(&self) -> [u64; 2] {
+        [&self.thinned[0], &self.thinned[1]].map(|n| n.load(Ordering::Relaxed))
+    }
+    pub(super) fn add_thinned(&self, made_of: [usize; 2]) {
+        for (sum, n) in self.thinned.iter().zip(made_of) {
+            sum.fetch_add(n as u64, Ordering::Relaxed);
+        }
+    }
     /// What became of the node's gestures, one for each in their order.
     pub fn gestures(&self) -> Vec<Arc<Replayed>> {
         self.gestures.lock().unwrap_or_else(PoisonError::into_inner).clone()

@@ -39,6 +39,8 @@ pub enum Quality {
     /// All of it.
     #[default]
     Final,
+    /// Before a groom was ever seen: the first hundredth of each tuft.
+    FirstLook,
 }
 
 /// A result as the cache keeps it.
@@ -153,12 +155,24 @@ impl<'a> EvalCx<'a> {
     pub fn dice(&self, tag: i64, purpose: &str) -> Dice {
         Dice::new(self.seed, tag as u64, purpose)
     }
-    /// How many of `n` strands are made at this quality: all, or the first max(16, n / 10).
+    /// How many of `n` strands are made at this quality: all, the first max(16, n / 10), or the first max(4, n / 100).
     pub fn thinned(&self, n: usize) -> usize {
         match self.quality {
             Quality::Final => n,
             Quality::Preview => n.min(16.max(n / 10)),
+            Quality::FirstLook => n.min(4.max(n / 100)),
         }
+    }
+    /// The same, once for each lot of strands that the node makes: pictures of a preview draw strands as much wider as there are
+    /// fewer. To be asked outside pieces of work, which may be known from before.
+    pub fn makes(&self, n: usize) -> usize {
+        self.makes_each(1, n)
+    }
+    /// [`Self::makes`] for `lots` of `n` strands each; how many of each are made.
+    pub fn makes_each(&self, lots: usize, n: usize) -> usize {
+        let made = self.thinned(n);
+        self.log.add_thinned([made, n].map(|n| n.saturating_mul(lots)));
+        made
     }
     /// The skin of a head, for inside tests.
     pub fn skin<'s>(&self, scalp: &'s Scalp) -> Skin<'s> {
@@ -333,6 +347,7 @@ mod tests {
         let cx = |quality| EvalCx::new(0, quality, Key(1), &host, &log);
         let thinned = |n| cx(Quality::Preview).thinned(n);
         assert_eq!([10, 100, 1000].map(thinned), [10, 16, 100]);
+        assert_eq!([3, 100, 1000].map(|n| cx(Quality::FirstLook).thinned(n)), [3, 4, 10]);
         assert_eq!(cx(Quality::Final).thinned(1000), 1000);
     }
 }

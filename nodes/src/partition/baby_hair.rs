@@ -124,7 +124,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     };
     cx.check()?;
     let count = (inputs.per_cm * hairline.line.length()).round() as usize;
-    let count = cx.thinned(count.min(2_000_000));
+    let count = cx.makes(count.min(2_000_000));
     let maker = Maker {
         inputs: &inputs,
         scalp,

@@ -216,7 +216,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let rows = if rules.crossing { 0 } else { inputs.source.curve_count() + all.curve_count() };
     let overs = Overs::new(scalp, rows, reach);
     let rows = inputs.source.tufts().iter().flat_map(|tuft| rows_of(tuft));
-    let all_hairs: usize = rows.map(|row| cx.thinned(requested(&inputs, &row))).sum();
+    let all_hairs: usize = rows.map(|row| cx.makes(requested(&inputs, &row))).sum();
     let cvs = inputs.cvs as f64;
     cx.may_make(&Size::of(&[("hairs beside all rows", all_hairs as f64), ("cvs", cvs)]))?;
     let map = Map::new(cx, &inputs, &rules, &overs, &all)?;

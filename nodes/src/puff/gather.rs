@@ -174,7 +174,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             (wanted.round() as usize).min(MOST_HAIRS)
         }
     };
-    let count = if ties.is_empty() { 0 } else { cx.thinned(count) };
+    let count = if ties.is_empty() { 0 } else { cx.makes(count) };
     let key = |i: usize| {
         let key =
             KeyBuilder::new("gather").int(i as u64).int(count.min((i + 1) * HAIRS_A_PIECE) as u64);

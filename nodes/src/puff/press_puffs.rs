@@ -72,7 +72,7 @@ impl Puff {
         // The hair of a preview at any quality, so that the plane is the same.
         let count = match quality {
             Quality::Final => self.hairs.min(16.max(self.hairs / 10)),
-            Quality::Preview => self.hairs,
+            Quality::Preview | Quality::FirstLook => self.hairs,
         };
         let told = self.told.iter().take(count);
         let nearest = told.max_by(|a, b| a.0.dot(direction).total_cmp(&b.0.dot(direction)));

@@ -191,7 +191,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         Fill::Count => inputs.count as usize,
         Fill::Density => puffs.first().map_or(0.0, density) as usize,
     };
-    let count = cx.thinned(count.min(MOST_HAIRS));
+    let count = cx.makes_each(puffs.len(), count.min(MOST_HAIRS));
     // Each puff has one work item for its guides, and one for each batch of hairs.
     let pieces = 1 + count.div_ceil(HAIRS_A_PIECE);
     let key = |i: usize| {

@@ -39,8 +39,8 @@ fn renderer(test: &str) -> Option<MutexGuard<'static, Renderer>> {
 /// Takes all that was uploaded away, as if the renderer were new.
 fn forget(renderer: &mut Renderer) {
     renderer.strands = Strands::new(&renderer.gpu);
-    renderer.drawn = renderer.strands.blocks(&renderer.gpu, 1.0);
-    renderer.shadowing = renderer.strands.blocks(&renderer.gpu, 1.0);
+    renderer.drawn = renderer.strands.blocks(&renderer.gpu, 1.0, 1.0);
+    renderer.shadowing = renderer.strands.blocks(&renderer.gpu, 1.0, 1.0);
     renderer.stale = Stale::ALL;
     renderer.rates = [None; PASSES];
     renderer.restart();

@@ -4,7 +4,7 @@
 //! same picture. Not promised: the time of the first slices, which measure the rates.
 
 use super::targets::{Grid, NO_TILES, TEXEL, TILES, Tables, lookups};
-use super::{Effort, MOST_SLICES, Pass, Renderer, SLICE, SLICE_STRIDE, Stale, Step};
+use super::{Effort, Look, MOST_SLICES, Pass, Renderer, SLICE, SLICE_STRIDE, Stale, Step};
 use crate::camera::Sphere;
 use crate::pipelines::Holds;
 use crate::strands::{Blocks, Slice};
@@ -134,7 +134,8 @@ impl Renderer {
         let geometry = stale.hair || stale.solids;
         if geometry || stale.lights {
             if stale.hair {
-                self.drawn = self.strands.blocks(&self.gpu, self.look.share);
+                let Look { share, stands_for, .. } = self.look;
+                self.drawn = self.strands.blocks(&self.gpu, share, stands_for);
             }
             self.plan_light(geometry);
         }
@@ -202,7 +203,7 @@ impl Renderer {
             self.opacity_stride = over.clamp(1.0, 2.0) as u32;
             let share = (f64::from(self.opacity_stride) / over).clamp(0.125, 1.0) as f32;
             let share = share.min(self.effort.shadowing() / self.strands.points().max(1) as f32);
-            self.shadowing = self.strands.blocks(&self.gpu, share);
+            self.shadowing = self.strands.blocks(&self.gpu, share, self.look.stands_for);
             let shell = solid_voxels(&self.solid_meshes, low, cell, size);
             self.grid = Grid::new(&self.gpu, &self.layouts, size, &shell);
             encoder.clear_buffer(&self.grid.density, 0, None);

@@ -36,8 +36,9 @@ pub struct RootGrid {
 }
 
 impl RootGrid {
-    /// The grid of these curves' first points, blurred over `spread` cm; none without roots or for a spread that is not over 0.
-    pub fn of(curves: &Curves, spread: f32) -> Option<Self> {
+    /// The grid of these curves' first points, blurred over `spread` cm; none without roots or for a spread that is not over 0. Each
+    /// root stands for so many of the final hair ([`crate::Look::stands_for`]), which lie as much farther around it as there are more.
+    pub fn of(curves: &Curves, spread: f32, stands_for: f32) -> Option<Self> {
         let first = curves.each().filter_map(|(tuft, i)| tuft.curve(i).first().copied());
         let roots: Vec<Vec3> = first.filter(|p| p.is_finite()).collect();
         let one = *roots.first()?;
@@ -46,7 +47,7 @@ impl RootGrid {
         }
         let (least, most) = roots.iter().fold((one, one), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
         let extent = most - least;
-        let mut cell = spread * CELL_OVER_SPREAD;
+        let mut cell = spread * stands_for.sqrt() * CELL_OVER_SPREAD;
         // Three cells around, so that what is blurred and read fades before the grid ends.
         let count = |cell: f32| (extent / cell).floor() + 7.0;
         while count(cell).element_product() > MOST_CELLS {
@@ -58,7 +59,7 @@ impl RootGrid {
         let counts = spread_out(&roots, lower, cell, size);
         // A root on a flat skin gives its weight to layers of cells across it; what the quadratic B-spline reads of them on
         // the skin is on average the middle value of the quintic one, 11 / 20.
-        let scale = 255.0 / (MOST * FULL * cell * cell * (11.0 / 20.0));
+        let scale = stands_for * 255.0 / (MOST * FULL * cell * cell * (11.0 / 20.0));
         let values = counts.into_iter().map(|n| (n * scale + 0.5).min(255.0) as u8).collect();
         Some(Self { lower, cell, size, values, darkness: darkness(curves) })
     }
@@ -162,7 +163,7 @@ mod tests {
             // A root below moves the cells' middles against the skin.
             for below in [0.0, 0.61, 0.63, 0.65, 0.67, 0.69, 0.71] {
                 let below = x.cross(y) * -below;
-                let grid = RootGrid::of(&rooted(patch(x, y).chain([below])), SPREAD).unwrap();
+                let grid = RootGrid::of(&rooted(patch(x, y).chain([below])), SPREAD, 1.0).unwrap();
                 let mut sum = 0.0;
                 for k in 0..100 {
                     let [u, v] = r2(k, [0.0; 2]);
@@ -178,7 +179,8 @@ mod tests {
     #[test]
     fn a_parting_stays_skin() {
         let apart = |p: &Vec3| p.x.abs() > 0.15;
-        let grid = RootGrid::of(&rooted(patch(Vec3::X, Vec3::Z).filter(apart)), SPREAD).unwrap();
+        let grid =
+            RootGrid::of(&rooted(patch(Vec3::X, Vec3::Z).filter(apart)), SPREAD, 1.0).unwrap();
         let mean = |x: f32| {
             let all = (0..40).map(|k| read(&grid, Vec3::new(x, 0.0, k as f32 * 0.05 - 1.0)));
             all.sum::<f32>() / 40.0
@@ -189,14 +191,15 @@ mod tests {
 
     #[test]
     fn roots_that_are_no_places_are_no_roots() {
-        assert_eq!(RootGrid::of(&Curves::default(), SPREAD), None);
-        assert_eq!(RootGrid::of(&rooted([Vec3::splat(f32::NAN)]), SPREAD), None);
-        assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), 0.0), None);
-        assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), f32::NAN), None);
-        let one = RootGrid::of(&rooted([Vec3::ONE, Vec3::splat(f32::INFINITY)]), SPREAD).unwrap();
+        assert_eq!(RootGrid::of(&Curves::default(), SPREAD, 1.0), None);
+        assert_eq!(RootGrid::of(&rooted([Vec3::splat(f32::NAN)]), SPREAD, 1.0), None);
+        assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), 0.0, 1.0), None);
+        assert_eq!(RootGrid::of(&rooted([Vec3::ONE]), f32::NAN, 1.0), None);
+        let one =
+            RootGrid::of(&rooted([Vec3::ONE, Vec3::splat(f32::INFINITY)]), SPREAD, 1.0).unwrap();
         assert_eq!(one.size, [7, 7, 7]);
         // Far apart: larger cells, not more memory.
-        let far = RootGrid::of(&rooted([Vec3::ZERO, Vec3::splat(900.0)]), SPREAD).unwrap();
+        let far = RootGrid::of(&rooted([Vec3::ZERO, Vec3::splat(900.0)]), SPREAD, 1.0).unwrap();
         assert!(far.values.len() <= MOST_CELLS as usize && far.cell > 5.0);
     }
 
@@ -206,6 +209,6 @@ mod tests {
         b.push_curve(&[Vec3::ZERO, Vec3::Y]);
         b.set(COLOUR, Domain::Curve, vec![Vec3::splat(0.64)]);
         let fair = Curves::new(vec![Arc::new(b.build())]);
-        assert!((RootGrid::of(&fair, SPREAD).unwrap().darkness - 0.2).abs() < 1e-5);
+        assert!((RootGrid::of(&fair, SPREAD, 1.0).unwrap().darkness - 0.2).abs() < 1e-5);
     }
 }

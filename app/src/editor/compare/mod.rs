@@ -191,6 +191,9 @@ impl Editor {
             also: vec![],
             quality: Quality::Final,
             allow_large: self.state.allow_large,
+            afresh: false,
+            unknown: false,
+            drags: false,
         });
     }
 

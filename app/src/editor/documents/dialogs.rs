@@ -20,6 +20,7 @@ impl Purpose {
             Self::Open => "Open a groom",
             Self::Compare => "Compare with a groom",
             Self::Mesh => "Choose a head",
+            Self::NewHead => "Choose the head of a new groom",
             Self::Find => "Find the missing file",
             Self::Save => "Save the groom as",
             Self::Export => "Export hair as",
@@ -34,7 +35,7 @@ impl Purpose {
     pub(crate) fn endings(self) -> (&'static str, &'static [&'static str]) {
         match self {
             Self::Open | Self::Compare | Self::Save => ("Grooms", &["ron"]),
-            Self::Mesh | Self::Find => ("Meshes", MESHES),
+            Self::Mesh | Self::NewHead | Self::Find => ("Meshes", MESHES),
             Self::Export => ("Hair", HAIR),
             Self::Picture => ("Pictures", PICTURES),
         }

@@ -5,7 +5,7 @@ use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
 use super::remedies::with_remedy;
 use super::watch::Change;
-use super::{Browser, DocumentEvent, bars, between_runs, browser, own_head, welcome};
+use super::{Browser, DocumentEvent, Framing, bars, between_runs, browser, own_head, welcome};
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
@@ -60,7 +60,8 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
             }
             Ended::Failed(lines) => {
                 for line in lines {
-                    editor.state.apply(Event::Say(Note::error(with_remedy(&line, ""))));
+                    let note = Note::error(with_remedy(&line, "")).of_groom();
+                    editor.state.apply(Event::Say(note));
                 }
             }
             Ended::Stopped => {
@@ -141,16 +142,16 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
     bars::show(&editor.documents, ui, &mut out);
     bars::unsaved(&editor.documents, &editor.state, &editor.title(), &ctx, &mut out);
     let documents = &mut editor.documents;
-    // Where the rooms are is known from the first frame on.
     let rooms = &editor.rooms;
+    let picture = rooms.iter().find(|(room, _)| *room == Room::Viewport).map(|(_, rect)| *rect);
+    // Where the rooms are is known from the first frame on.
     if !rooms.is_empty() {
-        let picture = rooms.iter().find(|(room, _)| *room == Room::Viewport).map(|(_, rect)| *rect);
         let (welcome, recent) = (&mut documents.welcome, &documents.recent);
         welcome::window(welcome, recent, &editor.state, picture, &ctx, &mut out);
     }
     bars::hovering(&ctx);
     if let Some(head) = &editor.documents.head {
-        own_head::window(head, &editor.state, &ctx, &mut out);
+        own_head::window(head, &editor.state, picture, &ctx, &mut out);
     }
     for event in out {
         editor.apply(event);
@@ -172,11 +173,7 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
 /// Behind the rooms: what changed becomes safe, and is looked at.
 pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
     own_head::settle(editor);
-    let shown = editor.state.shown.as_ref().map(|shown| shown.revision);
-    if editor.documents.frames.is_some_and(|revision| shown >= Some(revision)) {
-        editor.documents.frames = None;
-        editor.act("view.frame_all");
-    }
+    frame(editor);
     between_runs::heed_settings(editor, ctx);
     save_by_itself(editor, ctx);
     editor.tell_journal();
@@ -196,6 +193,25 @@ pub(crate) fn after(editor: &mut Editor, ctx: &egui::Context) {
         ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
         editor.documents.title = title;
     }
+}
+
+/// Brings into view what is seen first, as soon as it is there.
+fn frame(editor: &mut Editor) {
+    let (Some((revision, framing)), Some(shown)) = (editor.documents.frames, &editor.state.shown)
+    else {
+        return;
+    };
+    if shown.revision < revision {
+        return;
+    }
+    let (then, action) = match (framing, shown.head_alone) {
+        (Framing::Face, _) => (None, "view.from_front"),
+        (Framing::All, true) => (Some(Framing::Hair), "view.frame_head"),
+        (Framing::Hair, true) => return,
+        (_, false) => (None, "view.frame_all"),
+    };
+    editor.documents.frames = then.map(|framing| (revision, framing));
+    editor.act(action);
 }
 
 /// Saves a document that has a file, when somebody wants that and it was not saved for so long.

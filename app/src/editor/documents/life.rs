@@ -6,7 +6,7 @@ use super::journal::About;
 use super::remedies::with_remedy;
 use super::watch::hash_of;
 use super::{
-    Asking, Disk, DocumentEvent, HeadChoice, Left, Next, Unsaved, journal, own_head, paths,
+    Asking, Disk, DocumentEvent, Framing, HeadChoice, Left, Next, Unsaved, journal, own_head, paths,
 };
 use crate::core::documents::Purpose;
 use crate::core::event::Event;
@@ -56,6 +56,7 @@ impl Editor {
             DocumentEvent::Ask(purpose) => self.ask(purpose, None),
             DocumentEvent::Find(node, input) => self.ask(Purpose::Find, Some((node, input))),
             DocumentEvent::Mesh(path) => self.try_mesh(&path),
+            DocumentEvent::NewHead(path) => self.after_question(Next::NewHead(path)),
             DocumentEvent::Head(choice) => self.head_chosen(choice),
             DocumentEvent::Export(path) => self.export(Content::Hair, path),
             DocumentEvent::Picture(path, size) => self.picture(path, size),
@@ -115,6 +116,10 @@ impl Editor {
                 self.begin(None);
                 self.act(action);
             }
+            Next::NewHead(path) => {
+                self.begin(None);
+                self.try_mesh(&path);
+            }
             Next::Open(path) => {
                 self.open(&path);
             }
@@ -130,7 +135,7 @@ impl Editor {
         self.state.apply(Event::Hush);
         self.documents.changed = false;
         self.documents.head = None;
-        self.documents.frames = Some(self.state.revision);
+        self.documents.frames = Some((self.state.revision, Framing::All));
         self.documents.welcome.is_open = false;
         self.forget_the_last();
     }
@@ -243,7 +248,7 @@ impl Editor {
         let recent = self.documents.recent.files().first().and_then(|path| path.parent());
         let folder = match &file.path {
             // Heads lie where heads lie; all else begins beside the groom.
-            Some(_) if purpose != Purpose::Mesh => file.folder.clone(),
+            Some(_) if !matches!(purpose, Purpose::Mesh | Purpose::NewHead) => file.folder.clone(),
             _ => last.or(recent.map(Path::to_owned)).unwrap_or_else(|| file.folder.clone()),
         };
         let stem = match &file.path {
@@ -274,6 +279,7 @@ impl Editor {
         match (purpose, input) {
             (Purpose::Open, _) => self.apply_to_file(DocumentEvent::Open(path)),
             (Purpose::Compare, _) => self.compare_with(&path),
+            (Purpose::NewHead, _) => self.apply_to_file(DocumentEvent::NewHead(path)),
             (Purpose::Save, _) => self.apply_to_file(DocumentEvent::SaveTo(path)),
             (Purpose::Export, _) => self.export(Content::Hair, path),
             (Purpose::Picture, _) => self.picture(path, PICTURE),

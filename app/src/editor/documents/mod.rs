@@ -50,6 +50,7 @@ pub(crate) use frame::{after, before, panels};
 enum Next {
     New(Option<&'static str>),
     Begin(&'static str),
+    NewHead(PathBuf),
     Open(PathBuf),
     Restore(usize),
     Close,
@@ -60,6 +61,17 @@ struct Asking {
     question: Question,
     /// The node and input that a file is wanted for.
     input: Option<(NodeId, String)>,
+}
+
+/// What is brought into view when another document or head is seen first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Framing {
+    /// The heads, and then all hair, once there is some.
+    All,
+    /// All hair: the heads are in view.
+    Hair,
+    /// The face.
+    Face,
 }
 
 /// What the editor knows about documents as files.
@@ -92,8 +104,8 @@ pub struct Documents {
     /// The window closes once the export has stopped.
     closes_after_export: bool,
     head: Option<OwnHead>,
-    /// Everything is brought into view once this state of the document is shown.
-    frames: Option<u64>,
+    /// What is brought into view, once this state of the document is shown.
+    frames: Option<(u64, Framing)>,
     welcome: Welcome,
     title: String,
     /// The settings that the window has, and that are kept.
@@ -152,6 +164,11 @@ impl Documents {
     /// Whether something is open that takes the keys.
     pub(crate) fn takes_keys(&self) -> bool {
         self.unsaved.is_some() || self.browser.is_some()
+    }
+
+    /// Whether something is still to be brought into view.
+    pub(crate) fn is_framing(&self) -> bool {
+        self.frames.is_some()
     }
 
     /// Whether the document would be found again as it is now, whatever ended the process.

@@ -3,6 +3,7 @@
 //! Everything that is tried is one step: each try takes the last one back and is made anew, for as long as nothing else
 //! was done in between. What the head node finds (sphere, axes, units, hairline) is told in its own words.
 
+use super::Framing;
 use super::life::head_of;
 use crate::core::documents::{DocumentEvent, HeadChoice, Placing};
 use crate::core::event::Event;
@@ -14,7 +15,7 @@ use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, Setting};
 use coif_nodes::data::scalp::Part;
 use coif_nodes::define::Value;
-use egui::{Button, DragValue, Grid, ScrollArea, Slider};
+use egui::{Button, DragValue, Grid, Rect, ScrollArea, Slider};
 use std::path::Path;
 
 /// A head that was not accepted yet.
@@ -30,6 +31,8 @@ pub(crate) struct OwnHead {
 
 /// How wide the panel is, in points.
 const WIDTH: f32 = 440.0;
+/// What its frame takes beside that.
+const FRAME: f32 = 28.0;
 /// Axes that a face may look along; those that may point up, and what they are called.
 const AXES: [&str; 6] = ["+z", "-z", "+x", "-x", "+y", "-y"];
 const UPS: [(&str, &str); 6] =
@@ -109,7 +112,7 @@ impl Editor {
         self.apply(Event::Edit(Edit::Several(edits)));
         self.apply(Event::End);
         let done = self.state.history.done();
-        self.documents.frames = Some(self.state.revision);
+        self.documents.frames = Some((self.state.revision, Framing::Face));
         if let Some(head) = &mut self.documents.head {
             head.placing = placing.clone();
             head.done = done;
@@ -165,11 +168,18 @@ pub(super) fn settle(editor: &mut Editor) {
 }
 
 /// The panel: what was found, and what can be corrected.
-pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &mut Vec<Event>) {
+pub(super) fn window(
+    head: &OwnHead,
+    state: &State,
+    picture: Option<Rect>,
+    ctx: &egui::Context,
+    out: &mut Vec<Event>,
+) {
     let mut placing = head.placing.clone();
     let (mut drags, mut choice) = (false, None);
+    let place = panel::beside(panel::room(ctx), picture, WIDTH + FRAME..=WIDTH + FRAME);
     panel::window("Your head", "own head", ctx)
-        .default_pos([24.0, 90.0])
+        .default_pos(place.min)
         .resizable(false)
         .collapsible(true)
         .show(ctx, |ui| {
@@ -177,7 +187,19 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                 ui.set_max_width(WIDTH);
                 let name = Path::new(&head.path).file_name().unwrap_or_default().to_string_lossy();
                 ui.label(format!("{name}: is this how it stands?"));
-                found(head, state, ui);
+                // Above all that comes and goes, so that they stay where they are.
+                ui.horizontal(|ui| {
+                    if ui
+                        .add(Button::new("Accept"))
+                        .on_hover_text("Keep the head as it is")
+                        .clicked()
+                    {
+                        choice = Some(HeadChoice::Accept);
+                    }
+                    if ui.button("Cancel").on_hover_text("Restore the previous head").clicked() {
+                        choice = Some(HeadChoice::Cancel);
+                    }
+                });
                 ui.separator();
                 Grid::new("own head placing").num_columns(2).show(ui, |ui| {
                     ui.label("The face looks along");
@@ -261,18 +283,7 @@ pub(super) fn window(head: &OwnHead, state: &State, ctx: &egui::Context, out: &m
                     leave_out(&head.parts, &mut placing, ui);
                 }
                 ui.separator();
-                ui.horizontal(|ui| {
-                    if ui
-                        .add(Button::new("Accept"))
-                        .on_hover_text("Keep the head as it is")
-                        .clicked()
-                    {
-                        choice = Some(HeadChoice::Accept);
-                    }
-                    if ui.button("Cancel").on_hover_text("Restore the previous head").clicked() {
-                        choice = Some(HeadChoice::Cancel);
-                    }
-                });
+                found(head, state, ui);
             })
         });
     if choice.is_none() && (placing != head.placing || drags != state.gesture) {

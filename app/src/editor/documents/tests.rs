@@ -8,6 +8,7 @@ use super::life;
 use crate::core::documents::{DocumentEvent, Purpose};
 use crate::core::event::Event;
 use crate::core::notes::Gravity;
+use crate::core::settings::Settings;
 use crate::core::state::OpenFile;
 use crate::editor::Editor;
 use crate::places::Places;
@@ -427,7 +428,7 @@ fn few_guides(ui: &mut Ui) {
 }
 
 #[test]
-fn a_document_with_a_file_is_saved_by_itself_when_somebody_wants_that() {
+fn a_document_with_a_file_is_saved_by_itself_unless_somebody_wants_it_not() {
     let folder = Folder::new("life-itself");
     let path = folder.path("a.ron");
     let (mut ui, _) = on_empty_head();
@@ -437,11 +438,12 @@ fn a_document_with_a_file_is_saved_by_itself_when_somebody_wants_that() {
         ui.step();
     };
     edit(&mut ui, Edit::SetSeed(3));
+    let usual = ui.state().state.settings.clone();
+    let never = Settings { save_minutes: 0, ..usual.clone() };
+    ui.state_mut().apply(Event::Settings(Box::new(never)));
     long_ago(&mut ui);
     assert_eq!(read(&path).seed, 0);
-    let mut settings = ui.state().state.settings.clone();
-    settings.save_minutes = 10;
-    ui.state_mut().apply(Event::Settings(Box::new(settings)));
+    ui.state_mut().apply(Event::Settings(Box::new(usual)));
     ui.state_mut().apply(Event::Begin(String::new()));
     long_ago(&mut ui);
     assert_eq!(read(&path).seed, 0, "not within a gesture");
@@ -843,4 +845,60 @@ fn saving_and_exporting_begin_in_the_grooms_folder() {
     fake.answers(Answer::Nothing);
     act(&mut ui, "file.head");
     assert_eq!(fake.asked.lock().unwrap().last().unwrap().folder, heads.root());
+}
+
+/// The built-in head as a file of another program, so many units large and far from its origin.
+fn far_head(folder: &Folder) -> PathBuf {
+    let bust = coif_nodes::scalp::bust::adult();
+    let mut text = String::new();
+    for p in &bust.points {
+        let p = *p * 0.4 + glam::Vec3::new(400.0, -900.0, 250.0);
+        text += &format!("v {} {} {}\n", p.x, p.y, p.z);
+    }
+    for [a, b, c] in &bust.triangles {
+        text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+    }
+    let path = folder.path("far.obj");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn a_head_of_ones_own_begins_a_new_groom_from_the_welcome_panel_and_is_framed() {
+    let folder = Folder::new("life-far-head");
+    let puffs = file::read(coif_graphs::grooms::by_name("puffs").unwrap()).unwrap().document;
+    let (mut ui, fake) = on(puffs, OpenFile::default());
+    ui.run_steps(2);
+    act(&mut ui, "file.new");
+    fake.answers(Answer::Chosen(far_head(&folder)));
+    press(&mut ui, "Your own head…");
+    ui.step();
+    let kinds = |ui: &Ui| -> Vec<String> {
+        ui.state().state.document.nodes.values().map(|node| node.kind.clone()).collect()
+    };
+    assert_eq!(kinds(&ui), ["head"], "the groom that was there is not put on it");
+    let accept = ui.get_by_label("Accept").rect();
+    until("the head is read and framed", || {
+        ui.step();
+        ui.state().is_idle() && ui.state().viewport.is_idle()
+    });
+    ui.run_steps(3);
+    assert_eq!(ui.get_by_label("Accept").rect(), accept, "what was found moves no button");
+    let editor = ui.state();
+    let (view, shown) = (editor.viewport.projection(), editor.state.shown.as_ref().unwrap());
+    let frame = shown.scalp().unwrap().frame();
+    let picture = editor.place_of(crate::core::room::Room::Viewport).unwrap();
+    let panel = crate::widgets::panel::id("own head", &ui.ctx);
+    let panel = ui.ctx.memory(|memory| memory.area_rect(panel)).unwrap();
+    for (what, at) in [
+        ("crown", frame.origin + frame.up * frame.radius),
+        ("nose", frame.origin + frame.forward * frame.radius),
+        ("chin", frame.origin - frame.up * frame.radius),
+    ] {
+        let seen = view.screen(at).expect(what);
+        assert!(picture.contains(seen) && !panel.contains(seen), "{what} at {seen:?}, {panel:?}");
+    }
+    // The face looks at the eye.
+    let to_eye = (view.camera.eye - frame.origin).normalize();
+    assert!(to_eye.dot(frame.forward) > 0.8, "{to_eye}");
 }

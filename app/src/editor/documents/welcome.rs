@@ -12,7 +12,7 @@ use crate::widgets::panel;
 use coif_graphs::document::Thumbnail;
 use coif_graphs::grooms;
 use egui::{
-    Align, Button, ColorImage, Image, Layout, Pos2, Rect, RichText, ScrollArea, TextureHandle, Vec2,
+    Align, Button, ColorImage, Image, Layout, Rect, RichText, ScrollArea, TextureHandle, Vec2,
 };
 use std::collections::BTreeMap;
 
@@ -51,15 +51,6 @@ const SCROLL_BAR: f32 = 10.0;
 /// What a card is larger than its picture, with the room to the next.
 const CARD: Vec2 = Vec2::new(18.0, 30.0);
 
-/// Where the panel stands at first: in the wider room beside the picture, so that it hides none of what it is about.
-fn beside(room: Rect, picture: Option<Rect>) -> Rect {
-    let sides = picture.map(|it| (it.left() - room.left(), room.right() - it.right()));
-    let (left, right) = sides.unwrap_or((0.0, WIDTH));
-    let width = left.max(right).clamp(SIZE.x + FRAME, WIDTH).min(room.width());
-    let x = if left > right { room.left() } else { room.right() - width };
-    Rect::from_min_size(Pos2::new(x, room.top()), Vec2::new(width, room.height()))
-}
-
 /// Whether the panel is open, and its pictures once it was.
 #[derive(Default)]
 pub(crate) struct Welcome {
@@ -83,7 +74,7 @@ pub(super) fn window(
     let mut say = |event: DocumentEvent| said.push(event);
     let mut tour = false;
     let (mut open, mut shows) = (true, state.settings.welcome);
-    let place = beside(panel::room(ctx), picture_at);
+    let place = panel::beside(panel::room(ctx), picture_at, SIZE.x + FRAME..=WIDTH);
     panel::window("Welcome", "welcome", ctx)
         .open(&mut open)
         .collapsible(false)
@@ -101,9 +92,9 @@ pub(super) fn window(
                         if button.clicked() {
                             say(DocumentEvent::New(None));
                         }
-                        let tip = "A mesh (.obj, .glb, .gltf, .vrm) instead of the built-in head";
+                        let tip = "A new groom on your own mesh (.obj, .glb, .gltf, .vrm)";
                         if ui.button("Your own head…").on_hover_text(tip).clicked() {
-                            say(DocumentEvent::Ask(Purpose::Mesh));
+                            say(DocumentEvent::Ask(Purpose::NewHead));
                         }
                         if ui.button("Open a groom…").on_hover_text("A .ron file").clicked() {
                             say(DocumentEvent::Ask(Purpose::Open));

@@ -248,7 +248,7 @@ fn draw_shots(
     });
     let stills = stills.collect::<Result<Vec<Camera>, Stop>>()?;
     let description = describe(asked, &scene);
-    renderer.set_look(&asked.look);
+    renderer.set_look(&Look { stands_for: scene.stands_for, ..asked.look });
     renderer.set_rig(&asked.rig);
     renderer.set_solids(scene.solids);
     renderer.set_roots(scene.roots);
@@ -338,6 +338,8 @@ struct Scene {
     paint: Paint,
     solids: Vec<Solid>,
     roots: Option<RootGrid>,
+    /// How many strands of the final hair each that is drawn stands for.
+    stands_for: f32,
 }
 
 impl Scene {
@@ -353,7 +355,7 @@ impl Scene {
         looks: &[Option<Arc<FileLooks>>],
         warnings: &mut Vec<String>,
     ) -> Result<Self, Stop> {
-        let Evaluated { groups, scalps, more, sections: _, parted: _ } = evaluated;
+        let Evaluated { groups, scalps, more, stands_for, sections: _, parted: _ } = evaluated;
         // Guides that are handed out besides hair are no hair.
         let only_guides = groups.iter().all(|group| group.guides);
         let hair = together(
@@ -369,16 +371,16 @@ impl Scene {
             false => scene::heads(&scalps, asked.skin, looks),
         };
         warnings.extend(remarks);
-        let dressed = Dressed::of(&asked.show, &hair, &followed, scalp.as_deref())
+        let dressed = Dressed::of(&asked.show, (&hair, stands_for), &followed, scalp.as_deref())
             .map_err(|reason| Stop::failed(format!("--view {}: {reason}", asked.view)))?;
         if asked.floor {
             solids.extend(dressed.ground(&solids));
         }
-        let Dressed { drawn, paint, tubes, roots } = dressed;
+        let Dressed { drawn, paint, tubes, roots, stands_for } = dressed;
         solids.extend(tubes);
         let frame = scalp.as_ref().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
         let followed = followed.curve_count();
-        Ok(Self { frame, scalp, hair, followed, drawn, paint, solids, roots })
+        Ok(Self { frame, scalp, hair, followed, drawn, paint, solids, roots, stands_for })
     }
 }
 
@@ -441,6 +443,7 @@ fn describe(asked: &RenderRequest, scene: &Scene) -> String {
     let quality = match asked.quality {
         Quality::Final => "final",
         Quality::Preview => "preview (the first tenth)",
+        Quality::FirstLook => "preview (the first hundredth)",
     };
     let mut text = format!("{quality}, {} strands, {} points", grouped(strands), grouped(points));
     match asked.show {
@@ -448,6 +451,9 @@ fn describe(asked: &RenderRequest, scene: &Scene) -> String {
         Show::Guides | Show::Clusters => {
             text += &format!(", shown as {} {}", grouped(scene.followed), asked.view);
         }
+    }
+    if scene.stands_for > 1.0 {
+        text += &format!(", each drawn {:.1} times as wide", scene.stands_for);
     }
     if asked.look.share < 1.0 {
         text += &format!(", {} % of them drawn", asked.look.share * 100.0);

@@ -46,6 +46,8 @@ fn hands(groom: &str, curves: Curves) -> (Harness<'static, Bench>, NodeId) {
         curves: curves.clone(),
         scalps: vec![],
         values: [(socket, curves.into())].into(),
+        head_alone: false,
+        stands_for: 1.0,
         final_strands: None,
         ms: 0.0,
         over: vec![],

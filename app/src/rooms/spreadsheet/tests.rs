@@ -48,6 +48,8 @@ fn hands(curves: Curves) -> Harness<'static, Bench> {
         curves: curves.clone(),
         scalps: vec![],
         values: [(socket, curves.into())].into(),
+        head_alone: false,
+        stands_for: 1.0,
         final_strands: None,
         ms: 0.0,
         over: vec![],

@@ -34,10 +34,17 @@ pub enum Step {
 }
 
 impl Viewport {
-    /// Puts the eye before a groom that is seen first.
+    /// Puts the eye before a groom that is seen first: before the head, and before all hair once that is made, unless a hand has
+    /// moved the eye meanwhile.
     pub(super) fn frame_first(&mut self, state: &State) {
+        let is_alone = state.shown.as_ref().is_some_and(|shown| shown.head_alone);
+        if self.framed && !is_alone && state.shown.is_some() {
+            let before = self.before_hair.take();
+            self.framed = before.is_none_or(|before| before != self.camera);
+        }
         if !self.framed && self.framing.is_none() && state.shown.is_some() {
             self.look_from("three-quarter", state);
+            self.waits_for_hair = is_alone;
         }
     }
 
@@ -132,6 +139,7 @@ impl Viewport {
                     self.views = Views::default();
                     self.views.rest(&camera);
                     self.framed = true;
+                    self.before_hair = std::mem::take(&mut self.waits_for_hair).then_some(camera);
                 }
             }
             Err(TryRecvError::Empty) => {}

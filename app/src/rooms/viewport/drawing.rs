@@ -29,6 +29,8 @@ pub struct DrawRequest {
     pub revision: u64,
     /// All hair that is displayed.
     pub hair: Curves,
+    /// How many strands of the final hair each of it stands for, 1 or more.
+    pub stands_for: f32,
     /// The curves that it follows; asked for where they are shown.
     pub followed: Curves,
     /// Heads.
@@ -75,6 +77,7 @@ impl DrawRequest {
     /// Whether two have the same hair in the same colours.
     pub(super) fn same_hair(&self, other: &Self) -> bool {
         self.hair.key() == other.hair.key()
+            && self.stands_for.to_bits() == other.stands_for.to_bits()
             && self.followed.key() == other.followed.key()
             && self.show == other.show
             && self.visibility.hidden == other.visibility.hidden

@@ -85,6 +85,11 @@ fn lines(viewport: &Viewport, state: &State, ui: &mut egui::Ui) {
     if viewport.drawing.is_some() && viewport.fault().is_none() {
         line(ui, facts.drawn(), theme::TEXT);
     }
+    if state.run.since.is_some() && state.shown.as_ref().is_some_and(|shown| shown.head_alone) {
+        let left = state.left_to_run();
+        line(ui, format!("the head; its hair is being made: {left}"), theme::WARNING);
+        return;
+    }
     line(ui, facts.made(), if facts.stale { theme::WARNING } else { theme::TEXT });
     line(ui, names(viewport, state), theme::TEXT);
     let notice = viewport.on_screen.as_ref().and_then(|screen| screen.drawn.notice.as_ref());

@@ -36,6 +36,7 @@ use coif_graphs::document::{SavedLook, Socket};
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::define::Value;
+use coif_nodes::eval::Quality;
 use coif_shaders::camera::PORTRAIT_FOCAL;
 use coif_shaders::{Camera, Look};
 use drawing::{DrawRequest, Drawing, Drawn, HairHit, PickResult};
@@ -80,6 +81,10 @@ pub struct Viewport {
     /// Whether the eye was put somewhere for this groom.
     framed: bool,
     framing: Option<Receiver<Camera>>,
+    /// The eye that was put before a head whose hair was not made yet.
+    before_hair: Option<Camera>,
+    /// Such an eye is being found.
+    waits_for_hair: bool,
     drawing: Option<Drawing>,
     fault: Option<String>,
     on_screen: Option<OnScreen>,
@@ -185,6 +190,8 @@ impl Default for Viewport {
             views: Views::default(),
             framed: false,
             framing: None,
+            before_hair: None,
+            waits_for_hair: false,
             drawing: None,
             fault: None,
             on_screen: None,
@@ -336,11 +343,15 @@ impl Viewport {
         let show = self.options.shown();
         let followed = self.followed(state, shown);
         let moving = state.drags_hair() || self.drag.is_some() || self.moves_until.is_some();
+        // More of the hair comes soon, and sooner where the processor is left to it.
+        let more_comes = shown.head_alone || shown.quality == Quality::FirstLook;
+        let moving = moving || more_comes && state.run.since.is_some();
         let through = if self.pen.skin { SEE_THROUGH } else { 1.0 };
         let look = self.options.look();
         let wanted = DrawRequest {
             revision: shown.revision,
             hair: shown.curves.clone(),
+            stands_for: shown.stands_for,
             // Lines over the picture are none of the picture.
             followed: if matches!(show, Show::Hair(_)) { Curves::default() } else { followed },
             scalps: shown.scalps.clone(),

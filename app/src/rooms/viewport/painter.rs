@@ -47,6 +47,8 @@ pub(super) struct Painter {
     /// What of them cannot be shown.
     remarks: Vec<String>,
     roots: Option<RootGrid>,
+    /// How many strands of the final hair each that is drawn stands for.
+    stands_for: f32,
     legend: Option<Legend>,
     notice: Option<String>,
     /// Curves and points that are drawn at most.
@@ -81,6 +83,7 @@ impl Painter {
             looks: Kept::default(),
             remarks: vec![],
             roots: None,
+            stands_for: 1.0,
             legend: None,
             notice: None,
             drawn: (0, 0),
@@ -142,7 +145,7 @@ impl Painter {
         let follows = !matches!(wanted.show, Show::Hair(_));
         let dressed = match follows && wanted.followed.curve_count() == 0 {
             true => Err("no curves that this hair follows are known".to_owned()),
-            false => Dressed::of(&wanted.show, &hair, &wanted.followed, scalp),
+            false => Dressed::of(&wanted.show, (&hair, wanted.stands_for), &wanted.followed, scalp),
         };
         self.notice = dressed.as_ref().err().or(self.remarks.first()).cloned();
         let dressed = dressed.unwrap_or_else(|_| Dressed {
@@ -150,6 +153,7 @@ impl Painter {
             paint: Paint::plain(Vec3::splat(0.25)),
             tubes: None,
             roots: None,
+            stands_for: wanted.stands_for,
         });
         let ground = dressed.ground(&self.heads);
         if new_heads || new_show || dressed.tubes.is_some() || self.ground != ground {
@@ -163,6 +167,7 @@ impl Painter {
             self.renderer.set_roots(dressed.roots);
         }
         self.renderer.set_hair(&dressed.drawn, &dressed.paint);
+        self.stands_for = dressed.stands_for;
         self.legend = dressed.paint.legend;
         self.drawn = (dressed.drawn.curve_count(), dressed.drawn.point_count());
     }
@@ -173,7 +178,8 @@ impl Painter {
         self.rough = rough;
         let wide = if rough { self.wide } else { 1 };
         let [width, height] = wanted.size.map(|n| n.div_ceil(wide).max(1));
-        let look = Look { share: wanted.look.share * self.rough_share(rough), ..wanted.look };
+        let share = wanted.look.share * self.rough_share(rough);
+        let look = Look { share, stands_for: self.stands_for, ..wanted.look };
         let effort = if rough { Effort::Moving } else { Effort::Still };
         self.renderer.set_effort(effort);
         if self.look != Some(look) {

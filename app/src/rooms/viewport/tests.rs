@@ -29,6 +29,7 @@ fn wanted() -> DrawRequest {
     DrawRequest {
         revision: 1,
         hair: Curves::new(vec![Arc::new(tuft.build())]),
+        stands_for: 1.0,
         followed: Curves::default(),
         scalps: vec![Arc::new(ball())],
         visibility: Default::default(),
@@ -114,8 +115,9 @@ fn samples_rise_to_the_picture_that_the_command_line_makes() {
     let mut renderer = Renderer::new(gpu, 90, 66).expect("a small picture");
     renderer.set_look(&wanted.look);
     renderer.set_rig(&Rig::named("flat").expect("a rig"));
-    let dressed = crate::scene::Dressed::of(&wanted.show, &wanted.hair, &wanted.followed, None)
-        .expect("hair");
+    let dressed =
+        crate::scene::Dressed::of(&wanted.show, (&wanted.hair, 1.0), &wanted.followed, None)
+            .expect("hair");
     let (mut solids, _) = crate::scene::heads(&wanted.scalps, wanted.skin, &[]);
     solids.extend(dressed.ground(&solids));
     renderer.set_solids(solids);

@@ -25,6 +25,8 @@ const MOST: usize = 60_000;
 const FINE: f32 = 0.3;
 /// What lies farther from the middle of the cranium, in its radii, is shoulder.
 const FAR: f32 = 1.8;
+/// How much of what lies under it heat hides, of 255: hair stays in sight where a mask is full.
+const OPACITY: f32 = 95.0;
 /// Less is not shown.
 const LEAST: f32 = 0.004;
 
@@ -136,7 +138,7 @@ fn colour(value: f32) -> Color32 {
     let x = value.clamp(0.0, 1.0) * 3.0;
     let (i, part) = ((x as usize).min(2), x - (x as usize).min(2) as f32);
     let [r, g, b] = [0, 1, 2].map(|k| STOPS[i][k] + (STOPS[i + 1][k] - STOPS[i][k]) * part);
-    let alpha = 165.0 * (value * 5.0).clamp(0.0, 1.0);
+    let alpha = OPACITY * (value * 5.0).clamp(0.0, 1.0);
     Color32::from_rgba_unmultiplied(r as u8, g as u8, b as u8, alpha as u8)
 }
 
