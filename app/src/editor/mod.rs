@@ -14,6 +14,7 @@ mod fonts;
 pub mod keys;
 pub mod layout;
 mod menus;
+mod paced;
 mod palette;
 mod settings;
 mod templates;
@@ -51,6 +52,7 @@ use compare::Compare;
 use documents::Documents;
 use egui_dock::{DockArea, DockState};
 use keys::Keys;
+use paced::Paced;
 use palette::Palette;
 use std::path::PathBuf;
 use toasts::Toasts;
@@ -558,7 +560,7 @@ pub fn run(
             if let Some((document, file, name)) = other {
                 editor.compare_document(document, file, name);
             }
-            Ok(Box::new(Window { editor }))
+            Ok(Box::new(Window { editor, paced: Paced::default() }))
         }),
     )
     .map_err(|err| err.to_string())
@@ -567,10 +569,17 @@ pub fn run(
 /// The window around the editor.
 struct Window {
     editor: Editor,
+    paced: Paced,
 }
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         self.editor.ui(ui);
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, input: &mut egui::RawInput) {
+        if self.paced.frame(&mut input.events) {
+            ctx.request_repaint();
+        }
     }
 }

@@ -189,3 +189,15 @@ fn places(scalp: &Scalp) -> (Vec<Root>, Vec<[u32; 3]>) {
     }
     (places, triangles)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_mask_lets_most_of_the_hair_through() {
+        let alpha = |value| f32::from(colour(value).a()) / 255.0;
+        assert_eq!(alpha(0.0), 0.0);
+        assert!(alpha(0.5) > 0.25 && alpha(1.0) < 0.4, "{} {}", alpha(0.5), alpha(1.0));
+    }
+}
