@@ -850,11 +850,18 @@ pub(crate) fn read_choice<T: Copy>(
     }
 }
 
-/// Label of a choice's word: the beginning of its doc, if that names it (`5 mm coils (4a): small ...` for `4a`).
+/// Label of a choice's word: with the beginning of its doc behind it, if that names it (`4a: coils of 5 mm` for `4a`, where the doc
+/// is `Coils of 5 mm (4a): small ...`).
 pub fn choice_name(word: &str, explanation: &str) -> String {
     let named = explanation.split_once(':').map(|(name, _)| name.trim());
-    let whole = named.filter(|name| name.ends_with(&format!("({word})")));
-    whole.map_or_else(|| word.replace('_', " "), str::to_owned)
+    let end = format!("({word})");
+    let name = named.and_then(|name| name.strip_suffix(end.as_str()));
+    let spoken = word.replace('_', " ");
+    let mut letters = name.map_or("", str::trim).chars();
+    match letters.next() {
+        Some(first) => format!("{spoken}: {}{}", first.to_lowercase(), letters.as_str()),
+        None => spoken,
+    }
 }
 
 /// Declares the words of a choice, each with its doc.

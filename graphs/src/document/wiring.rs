@@ -184,7 +184,8 @@ fn source(
     None
 }
 
-/// Puts a node between the ends of wire `at` of input `to`.
+/// Puts a node between the ends of wire `at` of input `to`. A node that stands in a chain leaves it: what took from it takes from
+/// what fed it. Its other wires stay.
 ///
 /// # Errors
 /// Why it does not fit there, without a full stop.
@@ -194,6 +195,67 @@ pub fn insert_on_wire(
     to: &Socket,
     at: usize,
 ) -> Result<Edit, String> {
+    let name = document.name_of(node);
+    let (from, into, out) = threaded(document, node, to, at)?;
+    let fed = document.links.get(&into).map_or(&[][..], Vec::as_slice);
+    let mut others = fed.iter().filter(|wire| **wire != from);
+    let many = input_def(document, &into).is_some_and(|input| input.arity == Arity::Many);
+    if many && others.next().is_some() {
+        return Err(format!("other wires end at {into}"));
+    }
+    let mut edits = vec![];
+    for (taker, wires) in document.links.iter().filter(|(_, wires)| wires.contains(&out)) {
+        if taker == to {
+            return Err(format!("{name} is wired to {to} already"));
+        }
+        let mut kept: Vec<Socket> = wires.iter().filter(|wire| **wire != out).cloned().collect();
+        let heals = fed.first().filter(|fed| fits(document, fed, taker) && !kept.contains(fed));
+        kept.splice(
+            wires.iter().position(|wire| *wire == out).map_or(0..0, |at| at..at),
+            heals.cloned(),
+        );
+        edits.push(Edit::SetWires { to: taker.clone(), from: kept });
+    }
+    edits.push(Edit::Disconnect { to: to.clone(), at });
+    edits.push(Edit::SetWires { to: into, from: vec![from] });
+    edits.push(Edit::Connect { from: out, to: to.clone(), at: Some(at) });
+    sound(document, Edit::Several(edits))
+}
+
+/// Lets a node take from where wire `at` of input `to` comes from; the wire stays.
+///
+/// # Errors
+/// Why it does not fit there, without a full stop.
+pub fn branch_from_wire(
+    document: &Document,
+    node: &NodeId,
+    to: &Socket,
+    at: usize,
+) -> Result<Edit, String> {
+    let (from, into, _) = threaded(document, node, to, at)?;
+    sound(document, Edit::SetWires { to: into, from: vec![from] })
+}
+
+/// Whether what a wire brings into an input is what the node changes and gives: what it can do without is only looked at.
+pub fn passes_on(input: &InputDef) -> bool {
+    input.arity != Arity::Optional
+}
+
+/// An edit after which wires run in no circle.
+fn sound(document: &Document, edit: Edit) -> Result<Edit, String> {
+    let mut after = document.clone();
+    edit.apply(&mut after).map_err(|err| err.to_string())?;
+    graph::order(&after).map_err(|err| err.to_string())?;
+    Ok(edit)
+}
+
+/// Where wire `at` of input `to` comes from, and the input and output of a node between which it could run through it.
+fn threaded(
+    document: &Document,
+    node: &NodeId,
+    to: &Socket,
+    at: usize,
+) -> Result<(Socket, Socket, Socket), String> {
     let name = document.name_of(node);
     let wires = document.links.get(to).map_or(&[][..], Vec::as_slice);
     let from = wires.get(at).ok_or_else(|| format!("{to} has no wire {at}"))?;
@@ -207,20 +269,82 @@ pub fn insert_on_wire(
         output_type(document, from).ok_or_else(|| format!("nobody knows what {from} gives"))?;
     let taken = input_def(document, to).map_or(given, |input| input.ty);
     let input = taking(def, given).ok_or_else(|| format!("{name} takes no {}", given.name()))?;
-    let output = giving(def, taken).ok_or_else(|| format!("{name} gives no {}", taken.name()))?;
-    let (into, out) =
-        (Socket::new(node.clone(), input.name), Socket::new(node.clone(), output.name));
-    if input.arity != Arity::Many && document.links.contains_key(&into) {
-        return Err(format!("something else is wired to {into}"));
+    if !passes_on(input) {
+        return Err(format!("{name} takes {} beside what it makes", given.name()));
     }
-    let edit = Edit::Several(vec![
-        Edit::Disconnect { to: to.clone(), at },
-        Edit::Connect { from: from.clone(), to: into, at: None },
-        Edit::Connect { from: out, to: to.clone(), at: Some(at) },
-    ]);
-    edit.apply(&mut document.clone()).map_err(|err| err.to_string())?;
-    Ok(edit)
+    let output = giving(def, taken).ok_or_else(|| format!("{name} gives no {}", taken.name()))?;
+    let socket = |end| Socket::new(node.clone(), end);
+    Ok((from.clone(), socket(input.name), socket(output.name)))
 }
+
+/// Lets everything that takes from an output take from a node instead that takes from it itself: the node stands between. None
+/// where nothing takes from the output that could.
+///
+/// # Errors
+/// Wires would run in a circle.
+pub fn insert_behind(
+    document: &Document,
+    node: &NodeId,
+    from: &Socket,
+) -> Result<Option<Edit>, String> {
+    let Some(def) = document.def(node) else { return Ok(None) };
+    let passes = graph::inputs_of(document, node)
+        .any(|(to, wires)| wires.contains(from) && input_def(document, to).is_none_or(passes_on));
+    if !passes {
+        return Ok(None);
+    }
+    let mut edits = vec![];
+    for (to, wires) in document.links.iter().filter(|(_, wires)| wires.contains(from)) {
+        let taken = input_def(document, to).map(|input| input.ty);
+        let Some(gives) = taken.and_then(|ty| giving(def, ty)) else { continue };
+        if to.node == *node {
+            continue;
+        }
+        let gives = Socket::new(node.clone(), gives.name);
+        let swap = |wire: &Socket| if wire == from { gives.clone() } else { wire.clone() };
+        edits.push(Edit::SetWires { to: to.clone(), from: wires.iter().map(swap).collect() });
+    }
+    if edits.is_empty() {
+        return Ok(None);
+    }
+    sound(document, Edit::Several(edits)).map(Some)
+}
+
+/// Whether a groom gives hair: something is wired to one of its outputs.
+pub fn has_hair(document: &Document) -> bool {
+    let gives = |(to, wires): (&Socket, &Vec<Socket>)| {
+        let node = document.node(to.node.as_str());
+        !wires.is_empty() && node.is_some_and(|node| node.kind == OUTPUT)
+    };
+    document.links.iter().any(gives)
+}
+
+/// A groom without its hair: heads and masks stay, with all that is said of the groom; what gives curves, hangs from them or writes
+/// them goes.
+pub fn without_hair(document: &Document) -> Document {
+    let of_curves = |id: &&NodeId| {
+        let def = document.def(id);
+        let gives = def.is_some_and(|def| def.outputs.iter().any(|out| out.ty == Type::Curves));
+        gives || def.is_some_and(|def| def.id == OUTPUT)
+    };
+    let hair: Vec<&NodeId> = document.nodes.keys().filter(of_curves).collect();
+    let mut gone = graph::downstream(document, hair.iter().copied());
+    gone.extend(hair.into_iter().cloned());
+    let gone = groups::with_inside(document, &gone);
+    let mut bare = document.clone();
+    bare.nodes.retain(|id, _| !gone.contains(id));
+    bare.links.retain(|to, wires| {
+        wires.retain(|wire| !gone.contains(&wire.node));
+        !gone.contains(&to.node) && !wires.is_empty()
+    });
+    bare.frames.clear();
+    bare.display = bare.display.filter(|id| !gone.contains(id));
+    bare.settle();
+    bare
+}
+
+/// The kind of node that writes hair.
+const OUTPUT: &str = "groom_output";
 
 /// Makes another kind of a node. Values keep their inputs where the new kind has one of that name
 /// that takes them; wires keep theirs by name, else go to the first free input, or come from the first

@@ -192,8 +192,11 @@ mod tests {
             let name = choice_name(word, tip.trim());
             let mm = |cm: f32| (cm * 100.0).round() / 10.0;
             let sizes = [format!(" {} mm ", mm(wide)), format!(" {} mm ", mm(numbers.pitch))];
-            assert!(sizes.iter().all(|size| name.contains(size)), "{name}: {sizes:?}");
-            assert!(name.ends_with(&format!("({word})")), "{name}");
+            assert!(
+                sizes.iter().all(|size| format!("{name} ").contains(size)),
+                "{name}: {sizes:?}"
+            );
+            assert!(name.starts_with(&format!("{word}: ")), "{name}");
         }
     }
 }

@@ -10,6 +10,7 @@
 //! that gathers only its own section crosses no parting, and neither does hair of a section that its tie stands over,
 //! except where the skin leaves no path, which is reported. Not promised: equal lengths.
 
+use super::At;
 use super::dome::{Dome, Polar};
 use super::tie::Tie;
 use crate::data::attributes::{
@@ -49,8 +50,11 @@ node! {
         /// Hair to gather by its roots, such as that of a section; only the roots are used. Without it, hair is rooted
         /// all over the scalp by `density` and `mask`.
         roots: Option<Curves>, words("section hair");
-        /// Curves whose roots are the positions of ties, one tie per root. Without them, one tie sits at `position`.
+        /// Curves whose roots or tips are the positions of ties, one tie for each. Without them, one tie sits at
+        /// `position`.
         placements: Option<Curves>, words("points several");
+        /// The end of each of `placements` at which its tie sits.
+        at: At = At::Roots, words("end root tip place");
         /// Position of the tie in head units from the centre of the cranium: the point of the scalp in this direction.
         position: Vec3 = Vec3::new(0.0, 6.5, -7.0), handle(Handle::Point), words("place pick height high low");
         /// Add a second tie at the mirrored position, with a centre parting between them.
@@ -205,7 +209,7 @@ fn ties(cx: &EvalCx, inputs: &Inputs) -> Result<Vec<Tie>, NodeError> {
     let (scalp, frame) = (&*inputs.scalp, inputs.scalp.frame());
     let mut feet: Vec<(Root, u64)> = vec![];
     match &inputs.placements {
-        Some(placements) => feet.extend(super::placed(cx, scalp, placements)?),
+        Some(placements) => feet.extend(super::placed(cx, scalp, placements, inputs.at)?),
         None => {
             let mut place = inputs.position;
             feet.extend(super::picked(scalp, place).map(|foot| (foot, 0)));

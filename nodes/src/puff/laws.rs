@@ -1,7 +1,7 @@
 //! Laws of sphere puffs (methods.md 5), on a ball.
 
 use super::sphere_puff::{DIPS, NODE};
-use crate::data::attributes::{Domain, ID};
+use crate::data::attributes::{BRAID, Domain, ID};
 use crate::data::attributes::{
     FIBRE, PARENT, PUFF, PUFF_CENTRE, PUFF_COVERAGE, PUFF_RADIUS, SCALP_NORMAL,
 };
@@ -164,6 +164,32 @@ fn each_placement_has_its_puff_and_hair_is_bound_and_outside() {
         let length = Spline::new(points).unwrap().length();
         assert!((tuft.view(FIBRE).at(i, 0) * 0.25 / length - 1.0).abs() < 0.02);
     }
+}
+
+#[test]
+fn at_tips_a_braid_has_one_puff_at_the_end_of_its_strands() {
+    let mut b = TuftBuilder::new();
+    let up = Vec3::new(0.0, 9.0, 0.0);
+    b.push_curve(&[up, Vec3::new(5.8, 7.0, 0.0)]);
+    b.push_curve(&[up, Vec3::new(6.2, 7.0, 0.0)]);
+    b.push_curve(&[up, Vec3::new(-6.0, 7.0, 0.0)]);
+    b.push_curve(&[up, Vec3::new(0.0, 7.0, 40.0)]);
+    b.set(ID, Domain::Curve, vec![1, 2, 3, 4]);
+    b.set(BRAID, Domain::Curve, vec![77, 77, 0, 0]);
+    let placements = Curves::new(vec![b.build().into()]);
+    let set = [
+        ("placements", placements.into()),
+        ("at", "tips".into()),
+        ("count", Value::Int(500)),
+        ("rows", Value::Int(2)),
+        ("columns", Value::Int(4)),
+    ];
+    let (guides, hair, said) = puff(&set);
+    assert_eq!((guides.curve_count(), hair.curve_count()), (16, 1000));
+    let why = "the tip of a placement hangs off the scalp and was left out";
+    assert_eq!(said, [format!("{why} (curve 0000000000000004)")]);
+    let right = hair.each().filter(|(tuft, i)| tuft.curve(*i)[0].x > 0.0).count();
+    assert_eq!(right, 500, "one puff for the braid on the right, one on the left");
 }
 
 #[test]

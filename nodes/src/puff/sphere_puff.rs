@@ -12,6 +12,7 @@
 //! clearance. Not promised: that without `flatten`, a sphere low enough to dip into the head keeps its tips outside (a
 //! warning counts them).
 
+use super::At;
 use super::outline::PuffOutline;
 use super::press::{self, Wall};
 use super::tie::Tie;
@@ -45,8 +46,11 @@ node! {
     inputs {
         /// Head that the puff grows on.
         scalp: Arc<Scalp>;
-        /// Curves whose roots are the centres of puffs, one puff per root. Without them, one puff sits at `position`.
-        placements: Option<Curves>, words("points roots several");
+        /// Curves whose roots or tips are the centres of puffs, such as braids: one puff for each. Without them, one puff
+        /// sits at `position`.
+        placements: Option<Curves>, words("points roots tips several");
+        /// The end of each of `placements` at which its puff sits.
+        at: At = At::Roots, words("end root tip place");
         /// Ties that puffs grow out of, one puff per tie, from Gather into tie. They set position and direction, and
         /// replace the inputs position, root radius, tie height and tightness.
         ties: Option<Curves>, words("gather base elastic band");
@@ -169,7 +173,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             ties.iter().map(|tie| Puff::tied(&inputs, skin, unit, tie)).collect()
         }
         (_, Some(placements)) => {
-            let middles = super::placed(cx, scalp, placements)?;
+            let middles = super::placed(cx, scalp, placements, inputs.at)?;
             middles
                 .into_iter()
                 .map(|(m, parent)| Puff::new(&inputs, skin, unit, m, parent))

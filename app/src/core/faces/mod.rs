@@ -452,22 +452,28 @@ impl FaceCache {
 
     /// The faces of a state.
     pub(crate) fn of(&mut self, state: &State) -> Arc<Faces> {
+        self.opened(state, &BTreeSet::new())
+    }
+
+    /// The same with more inputs shown as ends than the state asks for.
+    pub(crate) fn opened(&mut self, state: &State, more: &BTreeSet<Socket>) -> Arc<Faces> {
         let reports = &state.run.reports;
+        let exposed: BTreeSet<Socket> = state.exposed.union(more).cloned().collect();
         let same = self.key.as_ref().is_some_and(|key| {
             key.document == state.document
                 && key.reports == Arc::as_ptr(reports) as usize
-                && key.exposed == state.exposed
+                && key.exposed == exposed
                 && key.pinned == state.pinned
                 && key.group == state.group
         });
         if !same {
             let (document, pinned) = (&state.document, state.pinned.as_ref());
             let group = state.group.as_ref();
-            self.faces = Faces::new(document, reports, &state.exposed, pinned, group).into();
+            self.faces = Faces::new(document, reports, &exposed, pinned, group).into();
             self.key = Some(Key {
                 document: document.clone(),
                 reports: Arc::as_ptr(reports) as usize,
-                exposed: state.exposed.clone(),
+                exposed,
                 pinned: state.pinned.clone(),
                 group: state.group.clone(),
             });

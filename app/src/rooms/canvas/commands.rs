@@ -27,12 +27,73 @@ fn edited(edit: Edit) -> Vec<Event> {
     if is_nothing(&edit) { vec![] } else { vec![Event::Edit(edit)] }
 }
 
-/// Whether a node could be put on a wire: it hangs from heads at most, and feeds nobody.
+/// Whether nothing but heads is wired to a node, and it feeds nobody.
 pub(super) fn is_loose(document: &Document, id: &NodeId) -> bool {
     let heads_only = graph::inputs_of(document, id)
         .flat_map(|(_, from)| from)
         .all(|from| wiring::output_type(document, from) == Some(Type::Scalp));
     heads_only && !document.links.values().flatten().any(|from| from.node == *id)
+}
+
+/// A column for a node that is inserted behind another: what comes behind moves to the right, as far as room is missing. Gives the
+/// node's corner, too.
+pub(super) fn make_room(
+    document: &Document,
+    faces: &Faces,
+    behind: &NodeId,
+    def: &NodeDef,
+) -> (Edit, Pos2) {
+    let from = faces.rect(behind).unwrap_or(Rect::ZERO);
+    let mut moved = graph::downstream(document, [behind]);
+    moved.retain(|id| id != behind && faces.all.contains_key(id));
+    let left = moved.iter().filter_map(|id| Some(faces.rect(id)?.left())).reduce(f32::min);
+    let room = left.map_or(f32::INFINITY, |left| left - from.right());
+    let missing = (WIDTH + 2.0 * GAP.x - room).clamp(0.0, WIDTH + GAP.x);
+    let stays = |id: &&NodeId| missing == 0.0 || !moved.contains(*id);
+    let taken: Vec<Rect> = faces.all.keys().filter(stays).filter_map(|id| faces.rect(id)).collect();
+    let corner = pos2(from.right() + GAP.x, from.top());
+    let corner = arrange::free_place(&taken, corner, size_of_new(def));
+    let moved = moved.into_iter().filter(|_| missing > 0.0);
+    let moves = arrange::moves(moved.filter_map(|id| {
+        let corner = *faces.corners.get(&id)?;
+        Some((id, corner + vec2(missing, 0.0)))
+    }));
+    (moves, corner)
+}
+
+fn size_of_new(def: &NodeDef) -> Vec2 {
+    let rows = def.inputs.iter().filter(|input| comes_by_wire(input.ty)).count();
+    let rows = rows.max(def.outputs.len()) as f32;
+    vec2(WIDTH, HEADER + rows * ROW + FOOTER)
+}
+
+/// What is said of a node that was put between others; nothing where it was not.
+pub(super) fn said_of_insertion(
+    before: &Document,
+    after: &Document,
+    id: &NodeId,
+) -> Option<String> {
+    let rewired = after.links.iter().filter(|(to, wires)| {
+        to.node != *id
+            && wires.iter().any(|wire| wire.node == *id)
+            && before.links.get(*to) != Some(*wires)
+    });
+    let takers: BTreeSet<&NodeId> = rewired.map(|(to, _)| &to.node).collect();
+    let now = graph::inputs_of(after, id).flat_map(|(_, wires)| wires);
+    // Of all that feeds it, what fed these before.
+    let fed = now.map(|wire| &wire.node).find(|feeder| {
+        before.links.iter().any(|(to, wires)| {
+            takers.contains(&to.node) && wires.iter().any(|wire| wire.node == **feeder)
+        })
+    })?;
+    let name = |id| after.name_of(id);
+    let mut takers = takers.into_iter();
+    let behind = match (takers.next(), takers.len()) {
+        (None, _) => return None,
+        (Some(one), 0) => format!("between {} and {}", name(fed), name(one)),
+        (_, more) => format!("between {} and {} nodes", name(fed), more + 1),
+    };
+    Some(format!("{}: inserted {behind}", name(id)))
 }
 
 /// The corner of a node that is added: its end where the wire was dropped, else beside what it is
@@ -45,9 +106,6 @@ pub(super) fn place_new(
     dropped: bool,
 ) -> Pos2 {
     let first_row = HEADER + ROW / 2.0;
-    let rows = def.inputs.iter().filter(|input| comes_by_wire(input.ty)).count();
-    let rows = rows.max(def.outputs.len()) as f32;
-    let size = vec2(WIDTH, HEADER + rows * ROW + FOOTER);
     let (wanted, fixed) = match link {
         Some(Link::From(_)) if dropped => (at - vec2(0.0, first_row), true),
         Some(Link::To(..)) if dropped => (at - vec2(WIDTH, first_row), true),
@@ -65,7 +123,7 @@ pub(super) fn place_new(
         return wanted;
     }
     let taken: Vec<Rect> = faces.all.keys().filter_map(|id| faces.rect(id)).collect();
-    arrange::free_place(&taken, wanted, size)
+    arrange::free_place(&taken, wanted, size_of_new(def))
 }
 
 /// The drag of a frame or its corner ended.

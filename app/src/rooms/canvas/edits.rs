@@ -79,23 +79,97 @@ pub(super) fn cut(wires: impl IntoIterator<Item = Wire>) -> Edit {
     Edit::Several(off.map(|wire| Edit::Disconnect { to: wire.to, at: wire.at }).collect())
 }
 
-/// Adds a node of a kind, wired as asked where that fits, between hair that is shown and the outputs that write it. A head that
-/// the kind can take is wired too, when it is clear which. Gives the node's id.
+/// How a node that is added behind another stands to what takes from that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Behind {
+    /// Between: all that took from the other takes from it.
+    Inserted,
+    /// Between where hair is seen and goes to outputs of the groom alone, so that what is shown is what is written; else beside.
+    Dropped,
+    /// Beside.
+    Branch,
+}
+
+/// Adds a node of a kind, wired as asked where that fits. A head that the kind can take is wired too, when it is clear which. Gives the
+/// node's id.
 pub(super) fn add(
     document: &Document,
     def: &NodeDef,
     at: Pos2,
-    link: Option<&Link>,
+    (link, behind): (Option<&Link>, Behind),
     group: Option<&NodeId>,
 ) -> (Edit, NodeId) {
     let (added, id) = beside(document, def, at, link, group);
     let along = match link {
-        Some(Link::From(from)) => outputs_along(document, from, &added, def, &id),
-        _ => vec![],
+        Some(Link::From(from)) if goes_between(document, from, behind) => {
+            let mut with = document.clone();
+            let is_added = added.apply(&mut with).is_ok();
+            // What would run in a circle stands beside.
+            let along = is_added.then(|| wiring::insert_behind(&with, &id, from).ok().flatten());
+            along.flatten().or_else(|| is_added.then(|| joined(&with, &id, from)).flatten())
+        }
+        _ => None,
     };
-    match added {
-        Edit::Several(edits) => (Edit::Several(edits.into_iter().chain(along).collect()), id),
-        other => (other, id),
+    match (added, along) {
+        (Edit::Several(edits), Some(along)) => {
+            (Edit::Several(edits.into_iter().chain([along]).collect()), id)
+        }
+        (added, _) => (added, id),
+    }
+}
+
+/// Hair that a node makes of its own beside the hair that it stands on, joined with that hair before it is coloured, else before it is
+/// written: it is seen and written with it.
+fn joined(document: &Document, id: &NodeId, from: &Socket) -> Option<Edit> {
+    let (to, _) = graph::inputs_of(document, id).find(|(_, wires)| wires.contains(from))?;
+    let beside = wiring::input_def(document, to).is_some_and(|input| !wiring::passes_on(input));
+    let gives = |output: &&coif_nodes::define::OutputDef| output.ty == Type::Curves;
+    let mut makes = document.def(id)?.outputs.iter().filter(gives);
+    // Guides may be given, too.
+    let hair = makes.clone().find(|output| output.name == "curves").or(makes.next_back())?;
+    let hair = Socket::new(id.clone(), hair.name);
+    // The hair that is made of what the output gives, not of what else its node does.
+    let takers = document.links.iter().filter(|(_, wires)| wires.contains(from));
+    let behind = graph::downstream(document, takers.map(|(to, _)| &to.node));
+    let of_kind = |kind: &str| {
+        let all = behind.iter().filter(|it| it.group() == id.group() && *it != id);
+        let is = |it: &&NodeId| document.node(it.as_str()).is_some_and(|node| node.kind == kind);
+        let all: Vec<&NodeId> = all.filter(is).collect();
+        // The first along the wires, where several stand behind one another.
+        let first = |it: &&&NodeId| graph::upstream(document, [**it]).len();
+        all.iter().min_by_key(first).map(|it| (*it).clone())
+    };
+    let end = of_kind("hair_colour").or_else(|| of_kind("groom_output")).filter(|_| beside)?;
+    let end = Socket::new(end, "curves");
+    let feeds = document.links.get(&end)?.first()?.clone();
+    let is_merge = document.node(feeds.node.as_str()).is_some_and(|node| node.kind == "merge");
+    if is_merge {
+        let to = Socket::new(feeds.node, "curves");
+        return Some(Edit::Connect { from: hair, to, at: None });
+    }
+    let merge = document.free_id_in(id.group().as_ref(), "merge");
+    let node = document.fresh_node("merge", &merge).into();
+    let into = Socket::new(merge.clone(), "curves");
+    let joins = |from| Edit::Connect { from, to: into.clone(), at: None };
+    Some(Edit::Several(vec![
+        Edit::AddNode { id: merge.clone(), node, at: None },
+        joins(feeds),
+        joins(hair),
+        Edit::SetWires { to: end, from: vec![Socket::new(merge, "curves")] },
+    ]))
+}
+
+/// Whether a node that is added behind an output goes between it and what takes from it.
+fn goes_between(document: &Document, from: &Socket, behind: Behind) -> bool {
+    let ends = |to: &Socket| {
+        document.node(to.node.as_str()).is_some_and(|node| node.kind == "groom_output")
+    };
+    let mut takers = document.links.iter().filter(|(_, all)| all.contains(from));
+    let seen = document.display.as_ref().is_none_or(|shown| *shown == from.node);
+    match behind {
+        Behind::Inserted => true,
+        Behind::Dropped => seen && takers.all(|(to, _)| ends(to)),
+        Behind::Branch => false,
     }
 }
 
@@ -143,7 +217,10 @@ fn beside(
             edits.push(Edit::Connect { from, to, at: None });
         }
     }
-    if let Some(Link::From(from)) = link {
+    // What is only looked at stays in sight beside what is made of it.
+    let passes =
+        wired.and_then(|input| def.input(input)).is_none_or(|(_, it)| wiring::passes_on(it));
+    if let Some(Link::From(from)) = link.filter(|_| passes) {
         edits.extend(display_along(document, &from.node, def, &id));
     }
     (Edit::Several(edits), id)
@@ -155,40 +232,6 @@ fn display_along(document: &Document, from: &NodeId, def: &NodeDef, id: &NodeId)
     let along =
         document.display.as_ref() == Some(from) && (gives(Type::Curves) || gives(Type::Scalp));
     along.then(|| Edit::SetDisplay(Some(id.clone())))
-}
-
-/// What is shown is what is written: where hair goes to outputs of the groom alone and is seen, a node that comes behind it goes
-/// between.
-fn outputs_along(
-    document: &Document,
-    from: &Socket,
-    added: &Edit,
-    def: &NodeDef,
-    id: &NodeId,
-) -> Vec<Edit> {
-    let takes = |edit: &Edit| matches!(edit, Edit::Connect { from: it, to, .. } if it == from && to.node == *id);
-    let taken = matches!(added, Edit::Several(edits) if edits.iter().any(takes));
-    let seen = document.display.as_ref().is_none_or(|shown| *shown == from.node);
-    let Some(gives) = def.outputs.iter().find(|output| output.ty == Type::Curves) else {
-        return vec![];
-    };
-    let ends = |to: &Socket| {
-        document.node(to.node.as_str()).is_some_and(|node| node.kind == "groom_output")
-    };
-    let takers: Vec<(&Socket, &Vec<Socket>)> =
-        document.links.iter().filter(|(_, all)| all.contains(from)).collect();
-    if !taken || !seen || !takers.iter().all(|(to, _)| ends(to)) {
-        return vec![];
-    }
-    let swap = |it: &Socket| match it == from {
-        true => Socket::new(id.clone(), gives.name),
-        false => it.clone(),
-    };
-    let along = |(to, all): &(&Socket, &Vec<Socket>)| Edit::SetWires {
-        to: (*to).clone(),
-        from: all.iter().map(swap).collect(),
-    };
-    takers.iter().map(along).collect()
 }
 
 /// The same edit, with an input of the node set to a choice.
@@ -354,6 +397,10 @@ mod tests {
         edit.apply(&mut after).unwrap_or_else(|err| panic!("{edit:?}: {err}"));
         after
     }
+    const ALONE: (Option<&Link>, Behind) = (None, Behind::Branch);
+    fn branch(link: &Link) -> (Option<&Link>, Behind) {
+        (Some(link), Behind::Branch)
+    }
     fn plug(document: &Document, input: &str, wire: Option<usize>) -> Plug {
         let input = socket(input);
         let faces = faces(document);
@@ -380,7 +427,7 @@ mod tests {
     fn wires_of_one_input_change_their_order() {
         let mut document = document("cornrows");
         let (edit, all) =
-            add(&document, coif_nodes::by_id("merge").unwrap(), Pos2::ZERO, None, None);
+            add(&document, coif_nodes::by_id("merge").unwrap(), Pos2::ZERO, ALONE, None);
         document = apply(&document, &edit);
         let to = Socket::new(all, "curves");
         let from = ["rows.curves", "braid.curves", "fill.curves"].map(socket);
@@ -421,17 +468,52 @@ mod tests {
         let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
         let from = Link::From(socket("rows.curves"));
         let (edit, new) =
-            add(&document, def("scalp_projection"), pos2(9.0, 7.4), Some(&from), None);
+            add(&document, def("scalp_projection"), pos2(9.0, 7.4), branch(&from), None);
         let after = apply(&document, &edit);
         assert_eq!(after.layout[&new], Point(9.0, 7.0));
         assert_eq!(after.wires(&new, "curves"), [socket("rows.curves")]);
         assert_eq!(after.wires(&new, "scalp"), [socket("head.scalp")]);
         let to = Link::To(socket("fill.curves"), None);
-        let (edit, new) = add(&document, def("resample"), Pos2::ZERO, Some(&to), None);
+        let (edit, new) = add(&document, def("resample"), Pos2::ZERO, branch(&to), None);
         assert_eq!(apply(&document, &edit).links[&socket("fill.curves")][0].node, new);
-        let (edit, new) = add(&document, def("head"), Pos2::ZERO, Some(&from), None);
+        let (edit, new) = add(&document, def("head"), Pos2::ZERO, branch(&from), None);
         let after = apply(&document, &edit);
         assert!(graph::inputs_of(&after, &new).next().is_none());
+    }
+
+    #[test]
+    fn a_node_added_behind_another_in_a_chain_stands_between_and_a_branch_beside() {
+        let document = document("cornrows");
+        let def = coif_nodes::by_id("resample").unwrap();
+        let from = Link::From(socket("rows.curves"));
+        let added = |behind| {
+            let (edit, new) = add(&document, def, Pos2::ZERO, (Some(&from), behind), None);
+            (apply(&document, &edit), new)
+        };
+        let (after, new) = added(Behind::Inserted);
+        assert_eq!(after.wires(&new, "curves"), [socket("rows.curves")]);
+        let through = [Socket::new(new, "curves")];
+        for to in ["braid.source", "partings.source"] {
+            assert_eq!(after.links[&socket(to)], through, "{to}");
+        }
+        let (after, new) = added(Behind::Branch);
+        assert_eq!(after.wires(&new, "curves"), [socket("rows.curves")]);
+        assert_eq!(after.links[&socket("braid.source")], [socket("rows.curves")]);
+    }
+
+    #[test]
+    fn hair_made_beside_other_hair_is_seen_and_coloured_with_it() {
+        let document = document("cornrows");
+        let def = coif_nodes::by_id("sphere_puff").unwrap();
+        let from = Link::From(socket("braid.curves"));
+        let behind = (Some(&from), Behind::Inserted);
+        let (edit, new) = add(&document, def, Pos2::ZERO, behind, None);
+        let after = apply(&document, &edit);
+        assert_eq!(after.wires(&new, "placements"), [socket("braid.curves")]);
+        assert_eq!(after.links[&socket("fill.curves")], [socket("braid.curves")]);
+        assert_eq!(after.links[&socket("colour.curves")], [socket("merge.curves")]);
+        let hair = Socket::new(new, "curves");
+        assert_eq!(after.links[&socket("merge.curves")], [socket("fill_width.curves"), hair]);
     }
 
     #[test]
@@ -446,7 +528,13 @@ mod tests {
         let mut document = coif_graphs::file::read(text).unwrap().document;
         let def = |kind: &str| coif_nodes::by_id(kind).unwrap();
         let wired = |document: &Document, link: Option<Link>| {
-            let (edit, new) = add(document, def("interpolate"), Pos2::ZERO, link.as_ref(), None);
+            let (edit, new) = add(
+                document,
+                def("interpolate"),
+                Pos2::ZERO,
+                (link.as_ref(), Behind::Branch),
+                None,
+            );
             apply(document, &edit).wires(&new, "scalp").to_vec()
         };
         let from = |text: &str| Some(Link::From(socket(text)));

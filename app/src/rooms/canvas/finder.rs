@@ -2,14 +2,16 @@
 //! that a wire goes to. Keyboard first: type, arrows, Enter, Escape.
 
 use super::edits::Link;
+use super::hand::{Fixed, Loose};
 use super::search::{self, Hints, SearchEntry, Why};
 use super::text::{self, line};
 use super::wires::Wire;
-use crate::core::faces::{Faces, words};
+use crate::core::faces::{Face, Faces, words};
 use crate::widgets::panel;
+use crate::widgets::text::spoken;
 use crate::widgets::theme;
 use coif_graphs::document::{Document, NodeId, Socket, wiring};
-use coif_nodes::define::{NodeDef, Type};
+use coif_nodes::define::{InputDef, NodeDef, Type};
 use egui::{Align2, Area, Frame, Id, Key, Modifiers, Order, Pos2, RichText, Sense, TextEdit, vec2};
 use std::collections::BTreeMap;
 
@@ -31,6 +33,8 @@ pub(super) enum Task {
     Swap(NodeId),
     /// An input for a wire from a node.
     Connect(NodeId),
+    /// An input of a node for a wire from an output, with the wire that was lifted off another.
+    Input(Socket, Option<Wire>, NodeId),
 }
 
 /// What was picked.
@@ -40,6 +44,8 @@ pub(super) enum FinderChoice {
     Kind(&'static NodeDef, bool, Option<(&'static str, &'static str)>),
     /// A wire from an output to an input, by its node and its number among the node's plugs.
     Plug(Socket, NodeId, usize),
+    /// An input, also one that the canvas does not show.
+    Input(Socket),
 }
 
 /// An open search.
@@ -147,7 +153,7 @@ impl Finder {
             Task::Add { .. } => ("Search nodes", "Add node"),
             Task::Insert(..) => ("Search nodes", "Insert node"),
             Task::Swap(_) => ("Search kinds", "Change to"),
-            Task::Connect(_) => ("Search inputs", "Wire to"),
+            Task::Connect(_) | Task::Input(..) => ("Search inputs", "Wire to"),
         };
         let field = TextEdit::singleline(&mut self.typed)
             .id(Id::new("canvas search field"))
@@ -192,6 +198,12 @@ impl Finder {
     /// What the keys do, in one line.
     fn hint(&self, document: &Document) -> String {
         match &self.task {
+            Task::Add { link: Some(Link::From(from)), dropped: false, .. }
+                if is_in_chain(document, from) =>
+            {
+                let name = document.name_of(&from.node);
+                format!("Enter inserts after {name}, Shift+Enter branches")
+            }
             Task::Add { link: Some(Link::From(from)), .. } => {
                 let name = document.name_of(&from.node);
                 format!("Enter adds and wires to {name}, Shift+Enter adds alone")
@@ -204,6 +216,9 @@ impl Finder {
             Task::Insert(..) => "Enter inserts on the wire, Escape closes".to_owned(),
             Task::Swap(_) => "Enter changes the kind; what fits is kept".to_owned(),
             Task::Connect(from) => format!("Enter wires {} to it", document.name_of(from)),
+            Task::Input(from, ..) => {
+                format!("Enter wires {} to it", document.name_of(&from.node))
+            }
         }
     }
 
@@ -219,6 +234,10 @@ impl Finder {
                 found.sort_by_key(|(order, _)| *order);
                 found.into_iter().take(MOST).map(|(_, line)| line).collect()
             }
+            Task::Input(from, _, node) => faces
+                .all
+                .get(node)
+                .map_or_else(Vec::new, |face| inputs(document, face, from, &self.typed)),
             Task::Add { link, .. } => {
                 let fits =
                     |def: &&'static NodeDef| link.as_ref().is_none_or(|l| takes(document, l, def));
@@ -233,7 +252,11 @@ impl Finder {
                 if !dropped && self.typed.trim().is_empty() {
                     found.sort_by_key(|def| !fits(def));
                 }
-                found.into_iter().take(MOST).map(|def| kind_line(def, &self.typed)).collect()
+                let lines = found.into_iter().flat_map(|def| {
+                    let link = link.as_ref().filter(|_| fits(&def));
+                    by_ends(kind_line(def, &self.typed), link, document, def)
+                });
+                lines.take(MOST).collect()
             }
             Task::Insert(wire, _) => {
                 let Some(from) = wire.from(document) else { return vec![] };
@@ -296,6 +319,39 @@ fn kind_line(def: &'static NodeDef, typed: &str) -> Line {
         pick: FinderChoice::Kind(def, true, set),
     }
 }
+
+/// A kind that takes the wire as places has a line for each end that these may stand at, the tips first where the wire brings braids.
+fn by_ends(
+    line: Line,
+    link: Option<&Link>,
+    document: &Document,
+    def: &'static NodeDef,
+) -> Vec<Line> {
+    let Some(Link::From(from)) = link else { return vec![line] };
+    let given = wiring::output_type(document, from);
+    let taken = given.and_then(|ty| wiring::taking(def, ty));
+    let ends = taken.filter(|input| input.name == PLACES).and_then(|_| def.input(PLACES_AT));
+    let Some((_, InputDef { ty: Type::Choice(words), .. })) = ends else { return vec![line] };
+    let kind = document.node(from.node.as_str()).map(|node| node.kind.as_str());
+    let braids = coif_nodes::STAGES
+        .iter()
+        .any(|(stage, nodes)| *stage == "braid" && nodes.iter().any(|it| Some(it.id) == kind));
+    let mut words: Vec<&'static str> = words.iter().map(|(word, _)| *word).collect();
+    if braids {
+        words.reverse();
+    }
+    let of = |word: &'static str| Line {
+        label: format!("{}: {PLACES_AT} {word}", def.label),
+        beside: line.beside.clone(),
+        tip: line.tip.clone(),
+        pick: FinderChoice::Kind(def, true, Some((PLACES_AT, word))),
+    };
+    words.into_iter().map(of).collect()
+}
+
+/// The input that takes curves as places for what a node makes, and the one that says at which end.
+const PLACES: &str = "placements";
+const PLACES_AT: &str = "at";
 
 /// Whether a kind can be wired so.
 fn takes(document: &Document, link: &Link, def: &'static NodeDef) -> bool {
@@ -371,6 +427,37 @@ fn plugs(
     found
 }
 
+/// The inputs of a node that take a wire from an output, in their order; those that fit what was typed best first.
+fn inputs(document: &Document, face: &Face, from: &Socket, typed: &str) -> Vec<Line> {
+    let loose = Loose { fixed: Fixed::Output(from.clone()), lifted: None, held: false };
+    let mut found = vec![];
+    for socket in loose.taking(document, face) {
+        let def = wiring::input_def(document, &socket);
+        let label = spoken(&socket.name);
+        let entry = SearchEntry {
+            label: &label,
+            id: &socket.name,
+            words: def.map_or("", |input| input.words),
+            ..SearchEntry::default()
+        };
+        let Some(score) = search::score(typed, &entry) else { continue };
+        let here = document.wires(&socket.node, &socket.name);
+        let beside = match (here.first(), def) {
+            (Some(has), _) => format!("has {}", document.name_of(&has.node)),
+            (None, def) => def.map_or("", |input| input.ty.name()).to_owned(),
+        };
+        let tip = def.map_or(String::new(), InputDef::doc);
+        found.push((score, Line { label, beside, tip, pick: FinderChoice::Input(socket) }));
+    }
+    found.sort_by_key(|(score, _)| *score);
+    found.into_iter().map(|(_, line)| line).collect()
+}
+
+/// Whether something takes from an output, so that what is added behind it is inserted.
+pub(super) fn is_in_chain(document: &Document, from: &Socket) -> bool {
+    document.links.values().any(|wires| wires.contains(from))
+}
+
 /// An output or input in words.
 pub(super) fn plain(document: &Document, socket: &Socket) -> String {
     format!("{}: {}", document.name_of(&socket.node), words(&socket.name))
@@ -399,6 +486,11 @@ mod tests {
         let all = labels(Link::From(socket("head.scalp")), false);
         assert_eq!(all.len(), coif_nodes::all().count());
         assert_eq!(all[..scalp.len()].len(), scalp.len());
+        // What takes the wire as places is offered at either end.
+        let task = Link::From(socket("braid.curves"));
+        let ends: Vec<String> =
+            labels(task, false).into_iter().filter(|it| it.starts_with("Sphere puff")).collect();
+        assert_eq!(ends, ["Sphere puff: at tips", "Sphere puff: at roots"]);
         // What follows the node in this groom comes first.
         assert_eq!(labels(Link::From(socket("fill.curves")), true)[0], "Set width");
     }

@@ -3,9 +3,11 @@
 use super::edits;
 use super::node::End;
 use super::wires::Wire;
-use crate::core::faces::{Face, Faces, Plug};
+use crate::core::faces::{Face, Faces, Plug, comes_by_wire};
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, NodeId, Socket, wiring::LooseWire};
+use coif_graphs::document::wiring::{self, LooseWire};
+use coif_graphs::document::{Document, NodeId, Socket};
+use coif_nodes::define::Type;
 use egui::{Pos2, Rect, Vec2};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -69,25 +71,30 @@ pub(super) enum Fixed {
 pub(super) struct Aim {
     /// Whose end.
     pub node: NodeId,
-    /// Which end.
-    pub end: End,
+    /// Which end; none where the wire points at the node alone, and not just one end that is drawn takes it.
+    pub end: Option<End>,
     /// Why it cannot be wired there.
     pub refused: Option<String>,
 }
 
 impl Loose {
-    /// What is aimed at from a place of the canvas. `scale` is points of the screen for a unit.
+    /// What is aimed at from a place of the canvas. `scale` is points of the screen for a unit; `open` is a node that lies over others.
     pub(super) fn aim(
         &self,
         document: &Document,
-        faces: &Faces,
-        corners: &BTreeMap<NodeId, Pos2>,
+        (faces, corners): (&Faces, &BTreeMap<NodeId, Pos2>),
+        open: Option<&NodeId>,
         at: Pos2,
         scale: f32,
     ) -> Option<Aim> {
         let reach = REACH / scale.max(0.01);
         let mut best: Option<(f32, &Face, End)> = None;
+        let over = node_at(faces, corners, open, at);
+        let covers = |face: &Face| open != Some(&face.id) && open.is_some() && over == open;
         for (face, corner) in faces.all.values().filter_map(|f| Some((f, *corners.get(&f.id)?))) {
+            if covers(face) {
+                continue;
+            }
             let near = Rect::from_min_size(corner, face.size()).expand(reach);
             if !near.contains(at) {
                 continue;
@@ -102,25 +109,73 @@ impl Loose {
         let loose = self.wire(document);
         let refused = |face: &Face, end: End| self.reason(document, &loose, plug(face, end)?);
         if let Some((_, face, end)) = best {
-            return Some(Aim { node: face.id.clone(), end, refused: refused(face, end) });
+            return Some(Aim {
+                node: face.id.clone(),
+                end: Some(end),
+                refused: refused(face, end),
+            });
         }
         // On a node, but at none of its ends: the end that fits.
-        let under = |face: &&Face| {
-            let corner = corners.get(&face.id);
-            corner.is_some_and(|c| Rect::from_min_size(*c, face.size()).contains(at))
-        };
-        let face = faces.all.values().rfind(under).filter(|face| !self.belongs_to(&face.id))?;
+        let face = faces.all.get(over?).filter(|face| !self.belongs_to(&face.id))?;
+        let node = face.id.clone();
+        if let Fixed::Output(_) = self.fixed {
+            let taking = self.taking(document, face);
+            let end = match &taking[..] {
+                [one] => end_of(face, one),
+                _ => None,
+            };
+            let refused = taking.is_empty().then(|| self.why_none(document, face));
+            return Some(Aim { node, end, refused });
+        }
         let corner = *corners.get(&face.id)?;
         let ends: Vec<End> = self.ends(face, corner).map(|(end, _)| end).collect();
-        let free = |end: &&End| plug(face, **end).is_some_and(|plug| plug.wire.is_none());
         let fits = |end: &&End| refused(face, **end).is_none();
-        let end = ends
-            .iter()
-            .filter(free)
-            .find(fits)
-            .or_else(|| ends.iter().find(fits))
-            .or_else(|| ends.first())?;
-        Some(Aim { node: face.id.clone(), end: *end, refused: refused(face, *end) })
+        let end = *ends.iter().find(fits).or_else(|| ends.first())?;
+        Some(Aim { node, end: Some(end), refused: refused(face, end) })
+    }
+
+    /// The inputs of a node that take the wire, those that the canvas does not show among them.
+    pub(super) fn taking(&self, document: &Document, face: &Face) -> Vec<Socket> {
+        let Some(loose) = self.wire(document) else { return vec![] };
+        let known = face.def.into_iter().flat_map(|def| def.inputs);
+        let known = known.map(|input| Socket::new(face.id.clone(), input.name));
+        let shown = face.inputs.iter().map(|plug| plug.socket.clone());
+        let mut all: Vec<Socket> = known.collect();
+        all.extend(shown.filter(|_| face.def.is_none()));
+        all.retain(|socket| loose.reason(socket).is_none());
+        all.dedup();
+        all
+    }
+
+    /// A node with those of its inputs that take the wire and are set otherwise: they are shown while the wire is over it.
+    pub(super) fn opens(
+        &self,
+        document: &Document,
+        face: &Face,
+    ) -> Option<(NodeId, BTreeSet<Socket>)> {
+        if !matches!(self.fixed, Fixed::Output(_)) || self.belongs_to(&face.id) || face.collapsed {
+            return None;
+        }
+        let by_wire = |socket: &Socket| {
+            wiring::input_def(document, socket).is_none_or(|input| comes_by_wire(input.ty))
+        };
+        let taking = self.taking(document, face).into_iter();
+        let inputs: BTreeSet<Socket> = taking.filter(|socket| !by_wire(socket)).collect();
+        (!inputs.is_empty()).then(|| (face.id.clone(), inputs))
+    }
+
+    /// Why no input of a node takes the wire: what is wrong with the first of its type, else that there is none.
+    fn why_none(&self, document: &Document, face: &Face) -> String {
+        let Fixed::Output(from) = &self.fixed else { return String::new() };
+        let given = wiring::output_type(document, from);
+        let of_type = face.def.zip(given).and_then(|(def, ty)| wiring::taking(def, ty));
+        let loose = LooseWire::from_output(document, from.clone());
+        let why = of_type.and_then(|it| loose.reason(&Socket::new(face.id.clone(), it.name)));
+        why.unwrap_or_else(|| {
+            let given = given.map_or("such thing", Type::name);
+            // (In short: a field is explained in brackets.)
+            format!("{} takes no {}", face.label, given.split(" (").next().unwrap_or(given))
+        })
     }
 
     /// The ends of a node that the wire could go to, and where they are.
@@ -174,7 +229,8 @@ impl Loose {
         if let Some(why) = &aim.refused {
             return Err(why.clone());
         }
-        let Some(plug) = faces.all.get(&aim.node).and_then(|face| plug(face, aim.end)) else {
+        let face = faces.all.get(&aim.node);
+        let Some(plug) = face.zip(aim.end).and_then(|(face, end)| plug(face, end)) else {
             return Ok(None);
         };
         match &self.fixed {
@@ -184,6 +240,39 @@ impl Loose {
             Fixed::Bundle(_, wires) => edits::rewire(document, wires, &plug.socket).map(Some),
         }
     }
+}
+
+/// The node at a place of the canvas: one that lies over others before these.
+pub(super) fn node_at<'a>(
+    faces: &'a Faces,
+    corners: &BTreeMap<NodeId, Pos2>,
+    open: Option<&'a NodeId>,
+    at: Pos2,
+) -> Option<&'a NodeId> {
+    let under = |id: &&NodeId| {
+        let (face, corner) = (faces.all.get(*id), corners.get(*id));
+        face.zip(corner).is_some_and(|(f, c)| Rect::from_min_size(*c, f.size()).contains(at))
+    };
+    open.filter(under).or_else(|| faces.all.keys().rfind(under))
+}
+
+/// The end of a node at which a wire into an input goes: a free one, else one that has a wire already.
+fn end_of(face: &Face, input: &Socket) -> Option<End> {
+    let mut plugs = face.inputs.iter().enumerate().filter(|(_, plug)| plug.socket == *input);
+    let first = plugs.clone().next();
+    plugs.find(|(_, plug)| plug.wire.is_none()).or(first).map(|(number, _)| End::In(number))
+}
+
+/// The plug of an input, also of one that the canvas does not show.
+pub(super) fn plug_of(document: &Document, face: &Face, input: &Socket) -> Plug {
+    let shown = end_of(face, input).and_then(|end| plug(face, end));
+    shown.cloned().unwrap_or_else(|| Plug {
+        socket: input.clone(),
+        ty: wiring::input_def(document, input).map(|input| input.ty),
+        wire: None,
+        many: false,
+        needed: false,
+    })
 }
 
 /// An end's plug.
@@ -232,7 +321,7 @@ mod tests {
     fn aim(document: &Document, loose: &Loose, node: &str, off: Vec2) -> Option<Aim> {
         let faces = faces(document);
         let at = faces.corners[node] + off;
-        loose.aim(document, &faces, &faces.corners, at, 1.0)
+        loose.aim(document, (&faces, &faces.corners), None, at, 1.0)
     }
     fn input(document: &Document, input: &str) -> (Faces, usize) {
         let socket = socket(input);
@@ -263,7 +352,7 @@ mod tests {
         let (faces, number) = input(&document, "fill.curves");
         let at = faces.all["fill"].input_at(Pos2::ZERO, number).to_vec2();
         let hit = aim(&document, &loose, "fill", at + vec2(-9.0, 3.0)).unwrap();
-        assert_eq!((hit.node, hit.end, hit.refused), (id("fill"), End::In(number), None));
+        assert_eq!((hit.node, hit.end, hit.refused), (id("fill"), Some(End::In(number)), None));
         let scalp =
             faces.all["fill"].inputs.iter().position(|p| &*p.socket.name == "scalp").unwrap();
         let at = faces.all["fill"].input_at(Pos2::ZERO, scalp).to_vec2();
@@ -273,7 +362,7 @@ mod tests {
         let circle = aim(&document, &loose, "braid", vec2(60.0, 10.0));
         assert_eq!(circle, None, "its own node is no aim");
         let back = aim(&document, &loose, "partings", vec2(60.0, 10.0)).unwrap();
-        assert_eq!(back.refused, None);
+        assert_eq!((back.end, back.refused), (None, None), "several take it");
         assert_eq!(aim(&document, &loose, "head", vec2(-400.0, 900.0)), None);
     }
 
@@ -283,7 +372,7 @@ mod tests {
         let faces = faces(&document);
         let loose = Loose { fixed: Fixed::Output(socket("fill.curves")), lifted: None, held: true };
         let at = faces.corners["braid"] + vec2(60.0, 10.0);
-        let aim = loose.aim(&document, &faces, &faces.corners, at, 1.0).unwrap();
+        let aim = loose.aim(&document, (&faces, &faces.corners), None, at, 1.0).unwrap();
         let why = loose.put_down(&document, &faces, &aim).unwrap_err();
         assert!(why.contains("circle"), "{why}");
     }

@@ -42,7 +42,7 @@ use crate::core::state::{Select, State};
 use crate::core::templates;
 use crate::widgets::theme;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, NodeId, Point, wiring};
+use coif_graphs::document::{Document, NodeId, Point, Socket, wiring};
 use edits::Link;
 use egui::{Pos2, Rect, Ui, Vec2, vec2};
 use finder::{Finder, Task};
@@ -51,7 +51,7 @@ use naming::{Naming, RenameTarget};
 use scene::{DrawnScene, Scene};
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
-use wires::{Shake, Wire};
+use wires::{Run, Shake, Wire};
 
 /// The room.
 #[derive(Default)]
@@ -72,6 +72,8 @@ pub struct Canvas {
 struct Memory {
     hand: Hand,
     aim: Option<Aim>,
+    /// The node under a wire in the hand, and those of its inputs that take the wire and are shown for that alone.
+    open: Option<(NodeId, BTreeSet<Socket>)>,
     /// Where the hand took hold, on the canvas.
     grabbed: Option<Pos2>,
     finder: Option<Finder>,
@@ -211,7 +213,8 @@ impl Canvas {
             self.close_search();
             return;
         }
-        let faces = self.cache.of(state);
+        let more = self.memory.open.as_ref().map(|(_, inputs)| inputs.clone());
+        let faces = self.cache.opened(state, &more.unwrap_or_default());
         self.meet(state, &faces, area);
         self.steer(ui, area);
         if !self.looks {
@@ -431,9 +434,9 @@ impl Canvas {
         ui: &Ui,
         out: &mut Vec<Event>,
     ) {
-        let down = ui.input(|i| i.pointer.primary_down());
+        let (down, branch) = ui.input(|i| (i.pointer.primary_down(), i.modifiers.shift));
         if moved && !self.memory.given_up {
-            self.put_nodes(state, faces, out);
+            self.put_nodes(state, faces, branch, out);
         }
         if !down {
             self.memory.moving = false;
@@ -459,7 +462,7 @@ impl Canvas {
             self.memory.moving = false;
             return;
         }
-        self.memory.drop_on = self.wire_under(state, found);
+        self.memory.drop_on = self.wire_under(state, found, branch);
         let (at, now) = ui.input(|i| (i.pointer.latest_pos(), i.time));
         if let Some(at) = at
             && self.memory.shake.moved(at, now)
@@ -471,42 +474,50 @@ impl Canvas {
         }
     }
 
-    /// The wire that a dragged node would be inserted on: one node alone, which has no hair yet.
-    fn wire_under(&self, state: &State, found: &DrawnScene) -> Option<Wire> {
+    /// The wire that a dragged node would be inserted on: one node alone. One that stands in a chain must be dropped on it more exactly.
+    fn wire_under(&self, state: &State, found: &DrawnScene, branch: bool) -> Option<Wire> {
         let mut nodes = state.selection.nodes.iter();
         let (Some(id), None) = (nodes.next(), nodes.next()) else { return None };
-        if !commands::is_loose(&state.document, id) {
-            return None;
-        }
         let corner = *found.corners.get(id)?;
         let face = self.cache.last().all.get(id)?.size();
         let middle = Rect::from_min_size(corner, face).center();
-        let near: Vec<_> =
-            found.runs.iter().filter(|run| run.wire.to.node != *id).cloned().collect();
-        let (run, _) = wires::nearest(&near, middle, face.y.min(face.x) * 0.4)?;
-        let fits = wiring::insert_on_wire(&state.document, id, &run.wire.to, run.wire.at);
-        fits.is_ok().then(|| run.wire.clone())
+        let reach = if commands::is_loose(&state.document, id) { 0.4 } else { 0.15 };
+        let reach = face.y.min(face.x) * reach;
+        let ends = |run: &&Run| run.wire.to.node == *id || run.from.node == *id;
+        let near = found.runs.iter().filter(|run| run.bounds.expand(reach).contains(middle));
+        let near = near.filter(|run| !ends(run)).map(|run| (run.distance(middle).0, run));
+        let mut near: Vec<_> = near.filter(|(distance, _)| *distance <= reach).collect();
+        near.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let fits = |run: &Run| put_on_wire(&state.document, id, &run.wire, branch).is_ok();
+        near.into_iter().find(|(_, run)| fits(run)).map(|(_, run)| run.wire.clone())
     }
 
     /// The drag of nodes ended: one step.
-    fn put_nodes(&mut self, state: &State, faces: &Faces, out: &mut Vec<Event>) {
+    fn put_nodes(&mut self, state: &State, faces: &Faces, branch: bool, out: &mut Vec<Event>) {
         let to = state.selection.nodes.iter().filter_map(|id| {
             let at = *self.view.layout.get(&faces.all.get(id)?.key)?;
             Some((id.clone(), at))
         });
         let mut edits = vec![arrange::moves(to)];
         let first = state.selection.nodes.first();
+        let mut said = None;
         if let (Some(wire), Some(id)) = (self.memory.drop_on.take(), first)
-            && let Ok(edit) = wiring::insert_on_wire(&state.document, id, &wire.to, wire.at)
+            && let Ok(edit) = put_on_wire(&state.document, id, &wire, branch)
         {
+            let mut after = state.document.clone();
+            said = edit
+                .apply(&mut after)
+                .ok()
+                .and_then(|_| commands::said_of_insertion(&state.document, &after, id));
             edits.push(edit);
             // Behind what is displayed it takes the display along, as an added node does.
             let behind = wire.from(&state.document).map(|from| &from.node);
-            if behind.is_some() && behind == state.document.display.as_ref() {
+            if !branch && behind.is_some() && behind == state.document.display.as_ref() {
                 edits.push(Edit::SetDisplay(Some(id.clone())));
             }
         }
         out.push(Event::Edit(Edit::Several(edits)));
+        out.extend(said.map(|said| Event::Say(Note::done(said))));
     }
 
     /// Carries on with what the hand holds, and puts it down.
@@ -520,6 +531,7 @@ impl Canvas {
         out: &mut Vec<Event>,
     ) {
         self.memory.aim = None;
+        let open = self.memory.open.take();
         if matches!(self.memory.hand, Hand::Empty) {
             return;
         }
@@ -530,7 +542,10 @@ impl Canvas {
         let down = ui.input(|i| i.pointer.primary_down());
         let at = self.memory.pointer;
         match self.memory.hand.clone() {
-            Hand::Wire(loose) => self.carry_wire(state, faces, found, loose, ui, area, out),
+            Hand::Wire(loose) => {
+                self.memory.open = open;
+                self.carry_wire(state, faces, found, loose, ui, area, out);
+            }
             Hand::Bend { wire, number, mut bends } => {
                 if let (Some(at), Some(bend)) = (at, bends.get_mut(number)) {
                     *bend = at;
@@ -573,8 +588,12 @@ impl Canvas {
         let scale = self.scale();
         let pressed = !loose.held && view::shield(ui, area, "wire");
         let at = self.memory.pointer;
-        self.memory.aim =
-            at.and_then(|at| loose.aim(&state.document, faces, &found.corners, at, scale));
+        let was = self.memory.open.as_ref().map(|(id, _)| id);
+        let all = (&**faces, &found.corners);
+        self.memory.aim = at.and_then(|at| loose.aim(&state.document, all, was, at, scale));
+        let under = at.and_then(|at| hand::node_at(all.0, all.1, was, at));
+        let open = under.and_then(|id| loose.opens(&state.document, faces.all.get(id)?));
+        self.memory.open = open;
         let put = loose.held && !ui.input(|i| i.pointer.primary_down());
         let aim = if put || pressed { self.memory.aim.take() } else { found.put.clone() };
         if !put && !pressed && aim.is_none() {
@@ -582,7 +601,26 @@ impl Canvas {
             return;
         }
         self.memory.hand = Hand::Empty;
+        self.memory.open = None;
         match aim {
+            Some(Aim { node, end: None, refused: None }) => {
+                let Fixed::Output(from) = loose.fixed.clone() else { return };
+                let Some(face) = faces.all.get(&node) else { return };
+                // One that is not shown is wired, of several one is picked.
+                match &loose.taking(&state.document, face)[..] {
+                    [one] => {
+                        let plug = hand::plug_of(&state.document, face, one);
+                        let lifted = loose.lifted.as_ref();
+                        let edit = edits::connect(&state.document, &from, &plug, lifted);
+                        out.extend(edit.map(Event::Edit));
+                    }
+                    _ => {
+                        let screen = at.map_or(area.center(), |at| self.to_screen(at));
+                        let task = Task::Input(from, loose.lifted, node);
+                        self.memory.finder = Some(Finder::new(task, screen));
+                    }
+                }
+            }
             Some(aim) => match loose.put_down(&state.document, faces, &aim) {
                 Ok(Some(edit)) => out.push(Event::Edit(edit)),
                 Ok(None) => {}
@@ -592,9 +630,11 @@ impl Canvas {
                 let screen = ui.input(|i| i.pointer.latest_pos()).filter(|at| area.contains(*at));
                 let (Some(at), Some(screen)) = (at, screen) else { return };
                 let link = match (loose.fixed, loose.lifted) {
-                    // Pulled off and let go: the wire is gone.
+                    // Pulled off and let go: the wire is gone. Two clicks are no pull.
                     (_, Some(wire)) => {
-                        out.push(Event::Edit(edits::cut([wire])));
+                        if loose.held {
+                            out.push(Event::Edit(edits::cut([wire])));
+                        }
                         return;
                     }
                     (Fixed::Output(from), None) => Link::From(from),
@@ -632,6 +672,22 @@ impl Canvas {
                 out.extend(self.paste(state, faces, text));
             }
         }
+    }
+}
+
+/// The edit that puts a node on a wire, or lets it take from where the wire comes from.
+fn put_on_wire(
+    document: &Document,
+    id: &NodeId,
+    wire: &Wire,
+    branch: bool,
+) -> Result<Edit, String> {
+    // An output of the groom ends its chain: what it writes is not to change by a move on the canvas.
+    let ends = document.node(id.as_str()).is_some_and(|node| node.kind == "groom_output");
+    match branch {
+        _ if ends && !commands::is_loose(document, id) => Err("it is an output".to_owned()),
+        true => wiring::branch_from_wire(document, id, &wire.to, wire.at),
+        false => wiring::insert_on_wire(document, id, &wire.to, wire.at),
     }
 }
 

@@ -1,14 +1,15 @@
 //! What lies over the canvas: the reason why a wire is refused, the map, the search, names being typed.
 
-use super::edits;
-use super::finder::{Finder, FinderChoice, SearchOutcome, Task};
+use super::edits::{self, Behind, Link};
+use super::finder::{self, Finder, FinderChoice, SearchOutcome, Task};
 use super::scene::DrawnScene;
-use super::{Canvas, commands, frames, look};
+use super::{Canvas, commands, frames, hand, look};
 use crate::core::event::Event;
-use crate::core::faces::{self, Faces};
+use crate::core::faces::{self, Faces, arrange};
 use crate::core::notes::Note;
 use crate::core::state::{Select, State};
 use crate::widgets::theme;
+use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{NodeId, wiring};
 use egui::{Align2, FontId, Pos2, Rect, Ui, Vec2, pos2, vec2};
 
@@ -73,12 +74,33 @@ impl Canvas {
         let document = &state.document;
         match (task, pick) {
             (Task::Add { at, link, dropped }, FinderChoice::Kind(def, wired, set)) => {
-                let link = link.as_ref().filter(|_| wired);
-                let at = commands::place_new(faces, def, *at, link, *dropped);
-                let (edit, id) = edits::add(document, def, at, link, state.group.as_ref());
+                // A wire in the hand goes where it was dropped; behind a selected node the new one is inserted.
+                let behind = match (wired, dropped) {
+                    (true, false) => Behind::Inserted,
+                    (true, true) => Behind::Dropped,
+                    (false, _) => Behind::Branch,
+                };
+                let branches = |link: &&Link| match link {
+                    Link::From(from) => !dropped && finder::is_in_chain(document, from),
+                    Link::To(..) => false,
+                };
+                let link = link.as_ref().filter(|link| wired || branches(link));
+                let (corner, group) = (*at, state.group.as_ref());
+                let at = commands::place_new(faces, def, corner, link, *dropped);
+                let (mut edit, id) = edits::add(document, def, at, (link, behind), group);
+                let mut after = document.clone();
+                let said = (edit.apply(&mut after).is_ok() && behind == Behind::Inserted)
+                    .then(|| commands::said_of_insertion(document, &after, &id))
+                    .flatten();
+                if let (Some(_), Some(Link::From(from))) = (&said, link) {
+                    let (room, at) = commands::make_room(document, faces, &from.node, def);
+                    let place = Edit::Move { id: id.clone(), to: Some(arrange::point(at)) };
+                    edit = Edit::Several(vec![edit, room, place]);
+                }
                 self.memory.used(def);
                 out.push(Event::Edit(edits::and_set(edit, &id, set)));
                 out.push(Event::Select(Select::Nodes(vec![id])));
+                out.extend(said.map(|said| Event::Say(Note::done(said))));
             }
             (Task::Insert(wire, at), FinderChoice::Kind(def, _, set)) => {
                 let at = *at - vec2(faces::WIDTH / 2.0, faces::HEADER);
@@ -100,6 +122,11 @@ impl Canvas {
             (Task::Connect(_), FinderChoice::Plug(from, node, number)) => {
                 let plug = faces.all.get(&node).and_then(|face| face.inputs.get(number));
                 let edit = plug.and_then(|plug| edits::connect(document, &from, plug, None));
+                out.extend(edit.map(Event::Edit));
+            }
+            (Task::Input(from, lifted, node), FinderChoice::Input(input)) => {
+                let plug = faces.all.get(node).map(|face| hand::plug_of(document, face, &input));
+                let edit = plug.and_then(|it| edits::connect(document, from, &it, lifted.as_ref()));
                 out.extend(edit.map(Event::Edit));
             }
             _ => {}

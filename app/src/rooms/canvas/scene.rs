@@ -58,7 +58,10 @@ impl Scene<'_> {
         let detail = Detail::at(self.scale, in_sight.count());
         let scene = &mut self;
         show.nodes(ui, |nodes, ui| {
-            for id in scene.state.document.nodes.keys() {
+            // What is open lies over its neighbours.
+            let open = scene.memory.open.as_ref().map(|(id, _)| id.clone());
+            let others = scene.faces.all.keys().filter(|id| Some(*id) != open.as_ref());
+            for id in others.chain(&open) {
                 if let Some(face) = scene.faces.all.get(id) {
                     scene.node(nodes, ui, face, detail, &mut found);
                 }
@@ -156,9 +159,9 @@ impl Scene<'_> {
         Mood {
             selected: selection.nodes.contains(&face.id),
             active: selection.active.as_ref() == Some(&face.id),
-            near: false,
+            near: aim.is_some_and(|aim| aim.refused.is_none()),
             running: runs.then_some(share),
-            aimed: aim.filter(|aim| aim.refused.is_none()).map(|aim| aim.end),
+            aimed: aim.filter(|aim| aim.refused.is_none()).and_then(|aim| aim.end),
             wiring: matches!(self.memory.hand, Hand::Wire(_)),
             pen: self.state.settings.pen_mode,
             scale: self.scale,
@@ -187,7 +190,8 @@ impl Scene<'_> {
             .socket_color(Color32::TRANSPARENT)
             .show_or_cull(nodes, ui, |cx| {
                 let state = cx.interaction();
-                let mood = Mood { near: state.in_selection_rect || state.hovered, ..mood };
+                let near = mood.near || state.in_selection_rect || state.hovered;
+                let mood = Mood { near, ..mood };
                 cx.framed_with(egui::Frame::NONE, |ui, layout| {
                     let corner = ui.cursor().min;
                     if near {
@@ -242,7 +246,9 @@ impl Scene<'_> {
                         End::In(n) => face.input_at(*corner, n),
                         End::Out(n) => face.output_at(*corner, n),
                     };
-                    found.put = loose.aim(document, faces, corners, at, self.scale.max(1.0));
+                    let open = self.memory.open.as_ref().map(|(id, _)| id);
+                    let scale = self.scale.max(1.0);
+                    found.put = loose.aim(document, (faces, corners), open, at, scale);
                 }
                 _ => {
                     if let Some(loose) = pick_up(document, face, end, all, false) {
@@ -502,7 +508,7 @@ impl Scene<'_> {
         };
         let aim = self.memory.aim.as_ref();
         let free = aim.filter(|a| a.refused.is_none());
-        let free = free.and_then(|aim| place(&aim.node, aim.end)).unwrap_or(pointer);
+        let free = free.and_then(|aim| place(&aim.node, aim.end?)).unwrap_or(pointer);
         let refused = aim.is_some_and(|aim| aim.refused.is_some());
         let mut ends: Vec<(Pos2, Pos2, Option<Type>)> = vec![];
         match &loose.fixed {

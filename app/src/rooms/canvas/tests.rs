@@ -111,6 +111,54 @@ fn a_wire_dropped_on_nothing_searches_what_fits() {
 }
 
 #[test]
+fn a_field_dropped_on_a_node_lists_the_inputs_that_take_it_and_opens_them_while_it_is_dragged() {
+    let mut document = document("cornrows");
+    let mask = document.fresh_node("paint_mask", &id("mask"));
+    document.nodes.insert(id("mask"), mask.into());
+    document.layout.insert(id("mask"), coif_graphs::document::Point(440.0, -300.0));
+    let mut w = window(document);
+    let from = place(&w, "Paint mask: mask output");
+    let body = place(&w, "hair in the braids: node");
+    assert!(w.query_by_label("hair in the braids: frizz input").is_none());
+    hold(&mut w, &[from, body], Modifiers::NONE);
+    assert!(w.query_by_label("hair in the braids: frizz input").is_some(), "its fields are open");
+    assert!(w.query_by_label("cornrows: width input").is_none(), "those of others are not");
+    release(&mut w, body, Modifiers::NONE);
+    assert!(w.query_by_label("hair in the braids: frizz input").is_none());
+    assert!(w.query_by_label("Curves").is_none(), "curves take no field");
+    w.event(egui::Event::Text("frizz".into()));
+    w.run_steps(2);
+    w.key_press(Key::Enter);
+    w.run_steps(3);
+    assert_eq!(wired(&w, "fill.frizz"), ["mask.mask"]);
+    steps(&w, 1);
+    // On one of them it is wired at once.
+    hold(&mut w, &[from, body], Modifiers::NONE);
+    let radius = place(&w, "hair in the braids: radius input");
+    w.event(egui::Event::PointerMoved(radius));
+    w.run_steps(3);
+    release(&mut w, radius, Modifiers::NONE);
+    assert_eq!(wired(&w, "fill.radius"), ["mask.mask"]);
+    // What nothing takes is refused, with the node.
+    let head = place(&w, "Head: node");
+    hold(&mut w, &[from, head], Modifiers::NONE);
+    w.get_by_label("Head takes no field");
+    release(&mut w, head, Modifiers::NONE);
+    steps(&w, 2);
+}
+
+#[test]
+fn two_clicks_on_a_wired_input_and_beside_it_leave_the_wire() {
+    let mut w = window(document("cornrows"));
+    let at = place(&w, "hair in the braids: curves input");
+    click(&mut w, at, 1);
+    let away = nowhere(&w);
+    click(&mut w, away, 1);
+    assert_eq!(wired(&w, "fill.curves"), ["braid.curves"]);
+    steps(&w, 0);
+}
+
+#[test]
 fn all_wires_of_an_output_move_together() {
     let mut document = document("cornrows");
     let more = document.fresh_node("stroke_input", &id("more"));
@@ -190,6 +238,66 @@ fn a_loose_node_dropped_on_a_wire_is_inserted() {
         desk.apply(event);
     }
     assert_eq!(wired(&w, "fill_width.curves"), ["fill.curves"]);
+}
+
+#[test]
+fn a_node_of_a_chain_dropped_on_a_wire_moves_there_and_with_shift_branches() {
+    for (keys, fed, behind) in [
+        (Modifiers::ALT, "fill.curves", "fill_width.curves"),
+        (SHIFT | Modifiers::ALT, "fill_width.curves", "braid.curves"),
+    ] {
+        let mut w = window(document("cornrows"));
+        w.state_mut().apply(Event::Select(Select::Nodes(vec![id("fill_width")])));
+        w.run_steps(2);
+        let node = place(&w, "Set width: node");
+        let from = node - vec2(0.0, 22.0);
+        let wire = place(&w, "cornrows: curves output") + vec2(20.0, 0.0);
+        let to = from + (wire - node);
+        hold(&mut w, &[from, to], keys);
+        assert!(w.state().canvas.memory.drop_on.is_some(), "the wire is marked");
+        release(&mut w, to, keys);
+        assert_eq!(wired(&w, "fill_width.curves"), ["braid.curves"]);
+        assert_eq!(wired(&w, "fill.curves"), [behind]);
+        assert_eq!(wired(&w, "colour.curves"), [fed]);
+        let said = ["Set width: inserted between cornrows and hair in the braids"];
+        let said = if keys.shift { &said[..0] } else { &said[..] };
+        assert_eq!(w.state().said, said);
+        steps(&w, 1);
+    }
+}
+
+#[test]
+fn tab_and_enter_on_a_node_in_a_chain_insert_behind_it_and_shift_branches() {
+    for (shift, fed) in [(false, "resample.curves"), (true, "braid.curves")] {
+        let mut w = window(document("cornrows"));
+        w.state_mut().apply(Event::Select(Select::Nodes(vec![id("braid")])));
+        let desk = w.state_mut();
+        desk.canvas.add(&desk.state);
+        w.run_steps(2);
+        w.get_by_label_contains("Enter inserts after cornrows, Shift+Enter branches");
+        w.event(egui::Event::Text("resample".into()));
+        w.run_steps(2);
+        w.key_press_modifiers(if shift { SHIFT } else { Modifiers::NONE }, Key::Enter);
+        w.run_steps(3);
+        assert_eq!(wired(&w, "resample.curves"), ["braid.curves"]);
+        assert_eq!(wired(&w, "fill.curves"), [fed]);
+        steps(&w, 1);
+        let said = &w.state().said;
+        match shift {
+            true => assert!(said.is_empty(), "{said:?}"),
+            false => {
+                assert_eq!(*said, ["Resample: inserted between cornrows and hair in the braids"])
+            }
+        }
+        // It stands in a column of its own, from left to right.
+        let faces = faces(&w.state().state.document);
+        let left = |node: &str| faces.rect(&id(node)).unwrap().left();
+        if !shift {
+            assert!(left("braid") < left("resample") && left("resample") < left("fill"));
+            let seen = w.state().canvas.seen();
+            assert!(seen.contains_rect(faces.rect(&id("resample")).unwrap()));
+        }
+    }
 }
 
 #[test]

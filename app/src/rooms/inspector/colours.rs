@@ -190,9 +190,15 @@ pub(super) fn show(ui: &mut Ui, target: &mut EditTarget, def: &'static NodeDef, 
     target.say(edits, how);
 }
 
-/// A colour from root to tip, to press on.
+/// A colour from root to tip with its name, to press on.
 fn swatch(ui: &mut Ui, name: &str, [root, tip]: [[u8; 3]; 2], chosen: bool) -> bool {
-    let size = Vec2::new(30.0, ui.spacing().interact_size.y);
+    let font = egui::FontId::proportional(11.5);
+    // Dark letters on light hair, light ones on dark.
+    let light =
+        root.iter().zip(tip).map(|(a, b)| u32::from(*a) + u32::from(b)).sum::<u32>() > 6 * 110;
+    let ink = if light { Color32::BLACK } else { Color32::WHITE };
+    let text = ui.painter().layout_no_wrap(name.to_owned(), font, ink);
+    let size = Vec2::new(text.size().x + 14.0, ui.spacing().interact_size.y);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
         egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, chosen, name)
@@ -209,6 +215,8 @@ fn swatch(ui: &mut Ui, name: &str, [root, tip]: [[u8; 3]; 2], chosen: bool) -> b
     mesh.add_triangle(0, 1, 2);
     mesh.add_triangle(0, 2, 3);
     ui.painter().add(Shape::mesh(mesh));
+    let at = inner.center() - 0.5 * text.size();
+    ui.painter().galley(at, text, ink);
     let line = match (chosen, response.hovered()) {
         (true, _) => Stroke::new(2.0, crate::widgets::theme::ACCENT),
         (_, true) => Stroke::new(1.0, Color32::WHITE),

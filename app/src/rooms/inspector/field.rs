@@ -6,6 +6,7 @@ use super::slider::{Done, NumberField};
 use super::target::How;
 use crate::widgets::panel;
 use crate::widgets::text::{icon_button, set_name, text_field};
+use coif_graphs::document::Socket;
 use coif_graphs::values::DEEPEST_FIELD;
 use coif_nodes::data::field::Field;
 use coif_nodes::data::ramp::{Blend, Ramp};
@@ -32,6 +33,15 @@ pub(crate) struct FieldEditor<'a> {
     pub(crate) scale: &'a Scale,
     /// Names to choose from.
     pub(crate) names: &'a FieldNames,
+}
+
+/// Where somebody lets a number come from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// A field, as the value of the input.
+    Field(Field),
+    /// A wire from an output.
+    Wire(Socket),
 }
 
 /// Where a number can come from, in the menu's order: name and explanation.
@@ -91,8 +101,13 @@ impl FieldEditor<'_> {
         1f32.max(lo as f32).min(hi as f32)
     }
 
-    /// The button that says where the number comes from, and switches it.
-    pub(crate) fn source_menu(&self, ui: &mut Ui, field: &Field) -> Option<Field> {
+    /// The button that says where the number comes from, and switches it: to a field, or to one of these outputs.
+    pub(crate) fn source_menu(
+        &self,
+        ui: &mut Ui,
+        field: &Field,
+        painted: &[(Socket, String)],
+    ) -> Option<Source> {
         let at = source(field);
         let mut new = None;
         let size = Vec2::splat(ui.spacing().interact_size.y);
@@ -109,9 +124,17 @@ impl FieldEditor<'_> {
                     let chosen =
                         ui.add_enabled_ui(can, |ui| ui.selectable_label(at == to, *label)).inner;
                     let chosen = chosen.on_hover_text(*tip);
-                    if chosen.on_disabled_hover_text("No head with masks is shown.").clicked() {
-                        new = (to != at).then(|| self.switched(field, to));
+                    let none = "The head has no masks. M paints one, which is listed here.";
+                    if chosen.on_disabled_hover_text(none).clicked() {
+                        new = (to != at).then(|| Source::Field(self.switched(field, to)));
                         ui.close();
+                    }
+                    for (socket, name) in painted.iter().filter(|_| to == 3) {
+                        let chosen = ui.button(format!("Mask: {name}"));
+                        if chosen.on_hover_text("Wire this mask to the input.").clicked() {
+                            new = Some(Source::Wire(socket.clone()));
+                            ui.close();
+                        }
                     }
                 }
             })
@@ -214,7 +237,7 @@ impl FieldEditor<'_> {
                         if let Some((part, how)) = editor.shown(ui, part, inner, depth + 1) {
                             new = Some((with(parts, i, Some(part)), how));
                         }
-                        if let Some(part) = editor.source_menu(ui, part)
+                        if let Some(Source::Field(part)) = editor.source_menu(ui, part, &[])
                             && depth + 1 < DEEPEST_FIELD
                         {
                             new = Some((with(parts, i, Some(part)), How::Once));

@@ -6,7 +6,7 @@ use super::value;
 use crate::core::event::Event;
 use crate::core::state::Select;
 use crate::widgets::panel;
-use crate::widgets::text::{set_name, spoken};
+use crate::widgets::text::{icon_button, set_name, spoken};
 use crate::widgets::theme;
 use coif_graphs::document::Socket;
 use coif_graphs::document::edit::Edit;
@@ -226,14 +226,17 @@ fn wires(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, wid
             if go.on_hover_text(format!("Wired from {wire}. Click to go to that node.")).clicked() {
                 target.out.push(Event::Select(Select::Nodes(vec![wire.node.clone()])));
             }
-            let cut =
-                crate::widgets::text::icon_button(ui, "✖", &format!("{name}{number}: disconnect"));
-            if cut.clicked()
-                && let Some(node) = target.nodes.first()
-            {
-                let to = Socket::new(node.clone(), input.name);
-                target.out.push(Event::Edit(Edit::Disconnect { to, at: i }));
-            }
+            // It asks: in other rows other buttons are at its place, and a slip is not to cost a wire.
+            let cut = icon_button(ui, "✖", &format!("{name}{number}: disconnect"));
+            egui::Popup::menu(&cut).show(|ui| {
+                if ui.button(format!("Disconnect from {source}")).clicked()
+                    && let Some(node) = target.nodes.first()
+                {
+                    let to = Socket::new(node.clone(), input.name);
+                    target.out.push(Event::Edit(Edit::Disconnect { to, at: i }));
+                    ui.close();
+                }
+            });
         });
     }
     if target.nodes.len() > 1 {

@@ -473,6 +473,10 @@ fn wires_lead_to_their_node_and_can_be_cut() {
     let mut hands = hands(document, &["c"], (380.0, 900.0));
     hands.get_by_label_contains("Curves 2: disconnect").click();
     hands.run_steps(3);
+    // A click on the cross alone costs no wire: it asks.
+    assert_eq!(hands.state().editor.state.document.wires(&id("c"), "curves").len(), 2);
+    hands.get_by_label_contains("Disconnect from").click();
+    hands.run_steps(3);
     let wires = |hands: &Hands, to: &str| {
         hands.state().editor.state.document.wires(&id(to), "curves").len()
     };
@@ -486,6 +490,43 @@ fn wires_lead_to_their_node_and_can_be_cut() {
     hands.run_steps(3);
     let socket = Socket::new(id("a"), "length");
     assert!(hands.state().editor.state.exposed.contains(&socket));
+}
+
+#[test]
+fn the_menu_of_a_number_lists_painted_masks_and_wires_them() {
+    let document = nodes(&[("fringe", "paint_mask"), ("later", "texture_mask"), ("a", "noise")]);
+    let mut hands = hands(document, &["a"], (380.0, 900.0));
+    hands.get_by_label("Amplitude source").click();
+    hands.run_steps(3);
+    assert!(hands.query_by_label("Mask: Texture mask").is_some());
+    hands.get_by_label("Mask: Paint mask").click();
+    hands.run_steps(3);
+    let document = &hands.state().editor.state.document;
+    assert_eq!(document.wires(&id("a"), "amplitude"), [Socket::new(id("fringe"), "mask")]);
+    assert_eq!(done(&hands), 1);
+}
+
+#[test]
+fn colours_of_hair_have_their_names_on_them_and_presets_of_curls_begin_with_the_type() {
+    let document = nodes(&[("colour", "hair_colour"), ("curl", "shape_list_curl")]);
+    let mut hands = hands(document, &["colour"], (380.0, 900.0));
+    let texts = |hands: &Hands| -> Vec<String> {
+        let shapes = hands.output().shapes.iter();
+        let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+            egui::Shape::Text(text) => Some(text.galley.text().to_owned()),
+            _ => None,
+        };
+        shapes.filter_map(text).collect()
+    };
+    for name in ["Black", "Copper", "Light blond", "White"] {
+        assert!(texts(&hands).iter().any(|text| text == name), "{name}: {:?}", texts(&hands));
+    }
+    hands.state_mut().editor.apply(Event::Select(Select::Nodes(vec![id("curl")])));
+    hands.run_steps(3);
+    hands.get_by_label("Preset").click();
+    hands.run_steps(3);
+    let listed = texts(&hands);
+    assert!(listed.iter().any(|text| text.starts_with("3b: curls 15 mm")), "{listed:?}");
 }
 
 #[test]

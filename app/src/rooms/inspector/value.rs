@@ -1,7 +1,7 @@
 //! The value of an input, by its type. What cannot be read is shown as the text that is kept.
 
 use super::FieldNames;
-use super::field::FieldEditor;
+use super::field::{FieldEditor, Source};
 use super::number::Scale;
 use super::ramp::RampField;
 use super::shapes;
@@ -12,6 +12,9 @@ use crate::core::documents;
 use crate::core::event::Event;
 use crate::widgets::text::{icon_button, set_name, spoken, text_field, zero_words};
 use crate::widgets::theme;
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::wiring::LooseWire;
+use coif_graphs::document::{NodeId, Socket};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gestures, Tool};
 use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
@@ -278,10 +281,35 @@ fn field(
             }
         }
         let now = held.unwrap_or(Field::Constant(1.0));
-        if let Some(field) = editor.source_menu(ui, &now) {
-            target.set(input, field, How::Once);
+        match editor.source_menu(ui, &now, &painted(target, input)) {
+            Some(Source::Field(field)) => target.set(input, field, How::Once),
+            Some(Source::Wire(from)) => {
+                let to = |node: &NodeId| Socket::new(node.clone(), input.name);
+                let wire = |node| Edit::Connect { from: from.clone(), to: to(node), at: None };
+                target.say(target.nodes.iter().map(wire).collect(), How::Once);
+            }
+            None => {}
         }
     });
+}
+
+/// The outputs that give fields, such as painted masks, and could be wired to an input, with the names of their nodes.
+fn painted(target: &EditTarget, input: &InputDef) -> Vec<(Socket, String)> {
+    let (document, Some(node)) = (&target.state.document, target.nodes.first()) else {
+        return vec![];
+    };
+    let beside = document.nodes.keys().filter(|id| id.group() == node.group());
+    let fields = beside.filter_map(|id| {
+        let output = document.def(id)?.outputs.iter().find(|output| output.ty == Type::Field)?;
+        Some(Socket::new(id.clone(), output.name))
+    });
+    let fields: Vec<Socket> = fields.collect();
+    if fields.is_empty() {
+        return vec![];
+    }
+    let loose = LooseWire::from_input(document, Socket::new(node.clone(), input.name));
+    let fits = fields.into_iter().filter(|from| loose.reason(from).is_none());
+    fits.map(|from| (from.clone(), document.name_of(&from.node).into_owned())).collect()
 }
 
 /// Three numbers side by side; gives the vector they become.

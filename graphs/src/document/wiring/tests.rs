@@ -139,7 +139,6 @@ fn a_node_dropped_on_a_wire_stands_between_its_ends_or_says_why_not() {
     let why = [
         on("thin", "hair.scalp", 0),
         on("head", "hair.curves", 0),
-        on("out", "hair.curves", 0),
         on("all", "hair.curves", 0),
         on("hair", "hair.curves", 0),
         on("new", "hair.curves", 0),
@@ -149,12 +148,72 @@ fn a_node_dropped_on_a_wire_stands_between_its_ends_or_says_why_not() {
     expect![[r#"
         Resample takes no scalp
         Head takes no curves
-        something else is wired to out.curves
-        hair.curves: a wire from all.curves would run in a circle: hair feeds all; wire a node that does not hang from hair
+        other wires end at all.curves
         Cluster to strands is an end of this wire
         nobody knows what "of_tomorrow" takes
         there is no node gone
-        all.curves has no wire 2"#]].assert_eq(&why.map(Result::unwrap_err).join("\n"));
+        all.curves has no wire 2"#]]
+    .assert_eq(&why.map(Result::unwrap_err).join("\n"));
+}
+
+#[test]
+fn a_node_of_a_chain_dropped_on_a_wire_leaves_the_chain_healed() {
+    let document = cornrows();
+    let on = |node: &str, to: &str, at| insert_on_wire(&document, &id(node), &socket(to), at);
+    // From before the merge to behind it: what it fed takes what fed it.
+    check(
+        &on("hair", "out.curves", 0).unwrap(),
+        expect![[r#"
+        all.curves <- [braid.curves, edges.curves]
+        hair.curves <- [all.curves]
+        out.curves <- [hair.curves]
+    "#]],
+    );
+    let branch = branch_from_wire(&document, &id("hair"), &socket("out.curves"), 0);
+    assert!(branch.unwrap_err().contains("circle"));
+    let branch = branch_from_wire(&document, &id("thin"), &socket("out.curves"), 0);
+    check(
+        &branch.unwrap(),
+        expect![[r#"
+        thin.curves <- [all.curves]
+    "#]],
+    );
+}
+
+#[test]
+fn a_node_put_behind_an_output_takes_all_that_it_fed() {
+    let mut document = cornrows();
+    let behind = |document: &Document, node: &str, from: &str| {
+        insert_behind(document, &id(node), &socket(from))
+    };
+    document.links.insert(socket("thin.curves"), vec![socket("braid.curves")]);
+    let edit = behind(&document, "thin", "braid.curves").unwrap().unwrap();
+    let mut after = document.clone();
+    edit.apply(&mut after).unwrap();
+    assert_eq!(after.wires(&id("hair"), "curves"), [socket("thin.curves")]);
+    assert_eq!(after.wires(&id("thin"), "curves"), [socket("braid.curves")]);
+    // What takes something else stays where it is, and circles are refused.
+    assert_eq!(behind(&document, "thin", "out.curves"), Ok(None));
+    let both = vec![socket("rows.curves"), socket("hair.curves")];
+    document.links.insert(socket("all.curves"), both);
+    assert!(behind(&document, "all", "rows.curves").unwrap_err().contains("circle"));
+}
+
+#[test]
+fn without_hair_a_head_and_its_masks_stay() {
+    let text = r#"(format: 1, title: "x", display: "fill", nodes: {
+        "bust": (kind: "head"), "mask": (kind: "paint_mask"), "lines": (kind: "stroke_input"),
+        "cut": (kind: "partings"), "fill": (kind: "interpolate"), "out": (kind: "groom_output"),
+    }, links: {
+        "mask.scalp": "bust.scalp", "lines.scalp": "bust.scalp", "cut.scalp": "bust.scalp",
+        "cut.lines": "lines.curves", "fill.scalp": "cut.scalp", "fill.mask": "mask.mask",
+        "fill.guides": "lines.curves", "out.curves": "fill.curves",
+    })"#;
+    let document = crate::file::read(text).unwrap().document;
+    let bare = without_hair(&document);
+    assert_eq!(bare.nodes.keys().cloned().collect::<BTreeSet<_>>(), ids("bust mask"));
+    assert_eq!((bare.display, bare.links.len(), bare.title), (None, 1, document.title.clone()));
+    assert_eq!((has_hair(&document), has_hair(&without_hair(&document))), (true, false));
 }
 
 #[test]
