@@ -9,13 +9,13 @@ use super::{Exit, complain, complain_of, ending, pack, print, print_plain, thumb
 use crate::files::{Role, Together};
 use crate::jobs::stop::Stop;
 use crate::jobs::thumbnail::{CAMERA, SIZE, of};
+use crate::library::new::{NewTemplate, Of};
 use crate::library::{self, LibraryEntry};
 use crate::pack::is_pack;
 use crate::places::Places;
 use crate::words::plain_json;
 use clap::{Args, Subcommand};
-use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{Document, NodeId, Origin, Socket, groups};
+use coif_graphs::document::{Document, NodeId, Origin, groups};
 use coif_graphs::schedule::run::CancelToken;
 use coif_graphs::{compare, file, template, text};
 use coif_nodes::define::short;
@@ -318,24 +318,11 @@ fn rewritten<T>(
     })
 }
 
-/// Why a name or a version of a template cannot be.
-fn bad_word(what: &str, word: &str) -> Option<String> {
-    let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
-    let is_good = !word.trim().is_empty()
-        && word.chars().all(is_plain)
-        && !word.starts_with('.')
-        && word.len() <= 100;
-    (!is_good).then(|| {
-        format!(
-            "--{what} {:?}: letters, digits, blanks and - _ . are allowed, 1 to 100 bytes, and none begins with a dot",
-            short(word)
-        )
-    })
-}
-
 fn new(args: &NewArgs) -> Exit {
     let words = [("name", args.name.as_deref()), ("version", Some(args.version.as_str()))];
-    let bad = words.into_iter().find_map(|(what, word)| bad_word(what, word?));
+    let bad = words.into_iter().find_map(|(what, word)| {
+        library::new::bad_word(word?).map(|why| format!("--{what} {why}"))
+    });
     let is_there = || {
         // What is no template of that name is somebody's work.
         let another = !library::read(&args.out)
@@ -349,42 +336,25 @@ fn new(args: &NewArgs) -> Exit {
         return Exit::Refused;
     }
     let made = rewritten(&args.graph, Some(&args.out), |document, files, cancel| {
-        let group = match &args.group {
-            Some(group) => NodeId::new(group).map_err(|err| err.to_string())?,
-            None => {
-                let name = args.name.as_deref().unwrap_or("template");
-                let (grouped, group) = template::grouped(document, name)?;
-                *document = grouped;
-                group
-            }
+        let group = args.group.as_deref().map(NodeId::new).transpose();
+        let made = NewTemplate {
+            of: group.map_err(|err| err.to_string())?.map_or(Of::All, Of::Group),
+            exposed: args.exposed.clone(),
+            title: args.title.clone(),
+            description: args.description.clone(),
+            origin: Origin {
+                name: args.name.clone().unwrap_or_default(),
+                version: args.version.clone(),
+                hash: String::new(),
+                locked: false,
+                author: args.author.clone(),
+                licence: args.licence.clone(),
+                tags: args.tags.clone(),
+                source: args.source.clone(),
+                needs: args.needs.clone(),
+            },
         };
-        for input in &args.exposed {
-            let inner: Socket =
-                format!("{group}/{input}").parse().map_err(|err| format!("{err}"))?;
-            let (edit, _) = groups::expose(document, &inner)?;
-            edit.apply(document).map_err(|err| err.to_string())?;
-        }
-        let label = args
-            .title
-            .clone()
-            .map(|title| Edit::SetLabel { id: group.clone(), label: Some(title) });
-        let note =
-            args.description.clone().map(|note| Edit::SetNodeNote { id: group.clone(), note });
-        for edit in label.into_iter().chain(note) {
-            edit.apply(document).map_err(|err| err.to_string())?;
-        }
-        let origin = Origin {
-            name: args.name.clone().unwrap_or_else(|| group.word().to_owned()),
-            version: args.version.clone(),
-            hash: String::new(),
-            locked: false,
-            author: args.author.clone(),
-            licence: args.licence.clone(),
-            tags: args.tags.clone(),
-            source: args.source.clone(),
-            needs: args.needs.clone(),
-        };
-        *document = template::new(document, &group, origin)?;
+        *document = made.of(document)?;
         if !args.no_thumbnail {
             let folder = args.graph.parent().unwrap_or(Path::new("")).to_owned();
             let bar = Bar::new("nodes");
@@ -457,17 +427,9 @@ pub(super) fn put(
         );
         return Err(refused(format!("{why}; make it anew with coif template new")));
     }
-    let words = [name.as_str(), version.as_str()].join("-");
-    let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
-    if !words.chars().all(is_plain) || words.starts_with('.') || words.len() > 128 {
-        return Err(refused(format!("{:?} is no name for a file", short(&words))));
-    }
-    let target = folder.join(format!("{words}.ron"));
-    if let Ok(there) = library::read(&target)
-        && there.hash != entry.hash
-        && !args.force
-    {
-        let why = format!("{} has this name and version and another hash", target.display());
+    let file = library::new::file_name(name, version).map_err(refused)?;
+    let target = folder.join(file);
+    if let Some(why) = library::new::is_another(&target, &entry.hash).filter(|_| !args.force) {
         return Err(refused(format!("{why}: give it another version, or use --force")));
     }
     std::fs::create_dir_all(&folder).map_err(|err| refused(err.to_string()))?;

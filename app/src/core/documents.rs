@@ -20,10 +20,17 @@ pub enum DocumentEvent {
     Ask(Purpose),
     /// Asks for a file that a node's input is missing.
     Find(NodeId, String),
-    /// A mesh becomes the head.
+    /// A mesh becomes the head; over hair it is asked first whether that stays.
     Mesh(PathBuf),
     /// A new document with nothing but a mesh as its head.
     NewHead(PathBuf),
+    /// A mesh becomes the head over hair.
+    MeshOver {
+        /// Its file.
+        path: PathBuf,
+        /// The hair goes.
+        bald: bool,
+    },
     /// The head stands as it should, or is taken back.
     Head(HeadChoice),
     /// Hair is written to a file.

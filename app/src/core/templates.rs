@@ -21,6 +21,8 @@ pub enum TemplateEvent {
         /// Where on the canvas; none: in the middle of what is in sight.
         at: Option<Point>,
     },
+    /// The panel opens that makes one of what is selected.
+    Save,
     /// One's file gets a picture.
     Thumbnail(PathBuf),
     /// What upgrading an instance would do is shown.

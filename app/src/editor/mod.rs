@@ -83,6 +83,8 @@ pub struct Editor {
     pub viewport: Viewport,
     pub(crate) outliner: Outliner,
     pub(crate) templates: Templates,
+    /// The panel *Save as template*, where it is open.
+    saving_template: Option<templates::save::SaveTemplate>,
     /// Another document beside this one.
     compare: Option<Compare>,
     /// The pen room: tools, and what they hold.
@@ -146,6 +148,7 @@ impl Editor {
             viewport: Viewport::default(),
             outliner: Outliner::default(),
             templates: Templates::default(),
+            saving_template: None,
             compare: None,
             pen: Pen::default(),
             dock: layout::first_layout(),
@@ -489,6 +492,7 @@ impl egui_dock::TabViewer for Tabs<'_> {
                 let hovered = viewport.is_hovered() && flipped.is_none();
                 pen.ui(state, &viewport.projection(), ui, hovered, self.out);
                 pen.settings_window(state, ui.ctx(), self.out);
+                pen.recipe_window(state, ui.ctx(), self.out);
             }
             Room::Canvas => match compare {
                 Some(compare) => compare.ui(state, canvas, ui, self.out),

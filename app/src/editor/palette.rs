@@ -50,9 +50,20 @@ fn rank(action: &Entry, typed: &str) -> Option<u32> {
     if words.clone().all(|word| all.split([' ', '.']).any(|w| w.starts_with(word))) {
         return Some(2);
     }
-    // Letters in order, anywhere in the label.
-    let mut left = label.chars();
-    typed.chars().filter(|c| !c.is_whitespace()).all(|c| left.any(|l| l == c)).then_some(1)
+    // The beginnings of its words, each as long as one likes.
+    let words: Vec<Vec<char>> = label.split_whitespace().map(|it| it.chars().collect()).collect();
+    let typed: Vec<char> = typed.chars().filter(|c| !c.is_whitespace()).collect();
+    begins_words(&typed, &words).then_some(1)
+}
+
+/// Whether letters are beginnings of these words, in their order: `evno` of *evaluate now*.
+fn begins_words(typed: &[char], words: &[Vec<char>]) -> bool {
+    if typed.is_empty() {
+        return true;
+    }
+    let Some((word, rest)) = words.split_first() else { return false };
+    let same = typed.iter().zip(word).take_while(|(a, b)| a == b).count();
+    (1..=same).rev().any(|n| begins_words(&typed[n..], rest)) || begins_words(typed, rest)
 }
 
 /// The word that an action was found by, where its label does not say it.
@@ -228,5 +239,10 @@ mod tests {
             assert_eq!(found(typed).first().map(|a| a.id), Some(first), "{typed}");
         }
         assert!(found("qqq").is_empty());
+        // Letters that merely stand somewhere in a label, in that order, are no answer.
+        for nonsense in ["pen in", "teal", "sole", "rear"] {
+            let bogus: Vec<&str> = found(nonsense).iter().map(|it| it.label).collect();
+            assert!(bogus.is_empty(), "{nonsense}: {bogus:?}");
+        }
     }
 }

@@ -15,7 +15,10 @@ const SETTINGS: &str = "settings";
 const KEYS: &str = "key sheet";
 const WELCOME: &str = "welcome";
 const PEN: &str = "pen settings";
+const OVER_HAIR: &str = super::documents::over_hair::PANEL;
+const RECIPE: &str = "recipe over hair";
 const HEAD: &str = "own head";
+const TEMPLATE: &str = super::templates::save::PANEL;
 
 impl Editor {
     /// Something happens to the window round the rooms.
@@ -103,6 +106,9 @@ impl Editor {
             (WELCOME, self.documents.shows_welcome()),
             (PEN, self.pen.settings_open),
             (HEAD, self.documents.places_head()),
+            (RECIPE, self.pen.asked.is_some()),
+            (OVER_HAIR, self.documents.mesh.is_some()),
+            (TEMPLATE, self.saving_template.is_some()),
         ];
         let layers: Vec<LayerId> = ctx.memory(|memory| memory.layer_ids().collect());
         let depth = |name: &str| {
@@ -115,6 +121,9 @@ impl Editor {
             SETTINGS => self.settings_panel.is_open = false,
             KEYS => self.key_sheet = false,
             PEN => self.pen.settings_open = false,
+            RECIPE => self.pen.asked = None,
+            OVER_HAIR => self.documents.mesh = None,
+            TEMPLATE => self.saving_template = None,
             WELCOME => {
                 self.apply(Event::Documents(DocumentEvent::Welcome(false)));
             }

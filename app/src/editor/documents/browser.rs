@@ -4,7 +4,8 @@
 
 use super::dialogs::Question;
 use crate::widgets::panel;
-use egui::{Button, Key, ScrollArea, TextEdit};
+use egui::text::{CCursor, CCursorRange};
+use egui::{Button, Id, Key, ScrollArea, TextEdit};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -125,14 +126,22 @@ impl Browser {
                             }
                         },
                     );
-                    let field = ui.add(
-                        TextEdit::singleline(&mut self.typed)
-                            .hint_text("name, or a whole path")
-                            .desired_width(f32::INFINITY),
-                    );
+                    let id = Id::new("file browser name");
+                    let mut field = TextEdit::singleline(&mut self.typed)
+                        .id(id)
+                        .hint_text("name, or a whole path")
+                        .desired_width(f32::INFINITY)
+                        .show(ui);
                     if std::mem::take(&mut self.fresh) {
-                        field.request_focus();
+                        field.response.request_focus();
+                        // What is typed takes the place of the name that is offered.
+                        let all = CCursor::new(self.typed.chars().count());
+                        let all = CCursorRange::two(CCursor::default(), all);
+                        field.state.cursor.set_char_range(Some(all));
+                        field.state.store(ui.ctx(), id);
                     }
+                    let field = field.response;
+                    ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("File name"));
                     let entered =
                         field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                     ui.horizontal(|ui| {
@@ -201,6 +210,34 @@ fn list(folder: &Path, endings: &[&str]) -> Listing {
 mod tests {
     use super::*;
     use crate::testing::Folder;
+
+    #[test]
+    fn a_path_that_is_typed_takes_the_place_of_the_name_that_is_offered() {
+        use crate::core::documents::Purpose;
+        let folder = Folder::new("browser-name");
+        let question = Question {
+            purpose: Purpose::Save,
+            folder: folder.root().to_owned(),
+            name: "start.ron".to_owned(),
+        };
+        let browser = Browser::new(question, Arc::new(|| {}));
+        let mut hands = egui_kittest::Harness::builder().build_ui_state(
+            |ui, (browser, chosen): &mut (Browser, Option<PathBuf>)| {
+                if let BrowserOutcome::Chosen(path) = browser.ui(ui.ctx()) {
+                    *chosen = Some(path);
+                }
+            },
+            (browser, None),
+        );
+        hands.run_steps(3);
+        let path = folder.path("elsewhere.ron");
+        hands.event(egui::Event::Text(path.display().to_string()));
+        hands.run_steps(2);
+        assert_eq!(hands.state().0.typed, path.display().to_string());
+        hands.key_press(Key::Enter);
+        hands.run_steps(2);
+        assert_eq!(hands.state().1, Some(path));
+    }
 
     #[test]
     fn folders_come_first_and_only_files_that_fit() {

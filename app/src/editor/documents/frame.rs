@@ -5,7 +5,9 @@ use super::dialogs::{Answer, MESHES};
 use super::export::Ended;
 use super::remedies::with_remedy;
 use super::watch::Change;
-use super::{Browser, DocumentEvent, Framing, bars, between_runs, browser, own_head, welcome};
+use super::{
+    Browser, DocumentEvent, Framing, bars, between_runs, browser, over_hair, own_head, welcome,
+};
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
@@ -150,6 +152,11 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
         welcome::window(welcome, recent, &editor.state, picture, &ctx, &mut out);
     }
     bars::hovering(&ctx);
+    if let Some(path) = documents.mesh.take()
+        && over_hair::window(&path, &ctx, &mut out)
+    {
+        documents.mesh = Some(path);
+    }
     if let Some(head) = &editor.documents.head {
         own_head::window(head, &editor.state, picture, &ctx, &mut out);
     }

@@ -55,8 +55,9 @@ impl Editor {
             }
             DocumentEvent::Ask(purpose) => self.ask(purpose, None),
             DocumentEvent::Find(node, input) => self.ask(Purpose::Find, Some((node, input))),
-            DocumentEvent::Mesh(path) => self.try_mesh(&path),
             DocumentEvent::NewHead(path) => self.after_question(Next::NewHead(path)),
+            DocumentEvent::Mesh(path) => self.ask_mesh(path),
+            DocumentEvent::MeshOver { path, bald } => self.try_mesh(&path, bald),
             DocumentEvent::Head(choice) => self.head_chosen(choice),
             DocumentEvent::Export(path) => self.export(Content::Hair, path),
             DocumentEvent::Picture(path, size) => self.picture(path, size),
@@ -118,7 +119,7 @@ impl Editor {
             }
             Next::NewHead(path) => {
                 self.begin(None);
-                self.try_mesh(&path);
+                self.try_mesh(&path, false);
             }
             Next::Open(path) => {
                 self.open(&path);
@@ -292,7 +293,8 @@ impl Editor {
                     setting,
                 }));
             }
-            (Purpose::Mesh | Purpose::Find, _) => self.try_mesh(&path),
+            (Purpose::Mesh, _) => self.ask_mesh(path),
+            (Purpose::Find, None) => self.try_mesh(&path, false),
         }
     }
 

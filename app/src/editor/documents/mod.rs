@@ -17,6 +17,7 @@ mod frame;
 mod journal;
 pub(crate) mod kept;
 pub(crate) mod life;
+pub(super) mod over_hair;
 mod own_head;
 mod paths;
 mod recent;
@@ -106,6 +107,8 @@ pub struct Documents {
     head: Option<OwnHead>,
     /// What is brought into view, once this state of the document is shown.
     frames: Option<(u64, Framing)>,
+    /// A mesh that is to become the head, while it is asked what becomes of the hair.
+    pub(super) mesh: Option<PathBuf>,
     welcome: Welcome,
     title: String,
     /// The settings that the window has, and that are kept.
@@ -146,6 +149,7 @@ impl Documents {
             export: None,
             closes_after_export: false,
             head: None,
+            mesh: None,
             frames: None,
             welcome: Welcome::default(),
             title: String::new(),

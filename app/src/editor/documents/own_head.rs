@@ -11,12 +11,12 @@ use crate::core::notes::Note;
 use crate::core::state::{Select, State};
 use crate::editor::Editor;
 use crate::widgets::panel;
-use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{NodeId, Setting};
+use coif_graphs::document::edit::{Edit, between};
+use coif_graphs::document::{NodeId, Setting, wiring};
 use coif_nodes::data::scalp::Part;
 use coif_nodes::define::Value;
 use egui::{Button, DragValue, Grid, Rect, ScrollArea, Slider};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A head that was not accepted yet.
 pub(crate) struct OwnHead {
@@ -27,6 +27,8 @@ pub(crate) struct OwnHead {
     parts: Vec<Part>,
     /// How many steps were done when the last try was made.
     done: usize,
+    /// The hair that was there goes.
+    bald: bool,
 }
 
 /// How wide the panel is, in points.
@@ -39,8 +41,16 @@ const UPS: [(&str, &str); 6] =
     [("", "y"), ("z", "z"), ("x", "x"), ("-y", "y down"), ("-z", "z down"), ("-x", "x down")];
 
 impl Editor {
-    /// A mesh becomes the head: the active one, else the first; a document without gets one.
-    pub(super) fn try_mesh(&mut self, path: &Path) {
+    /// A mesh is to become the head; over hair it is asked first whether that stays.
+    pub(super) fn ask_mesh(&mut self, path: PathBuf) {
+        match wiring::has_hair(&self.state.document) {
+            true => self.documents.mesh = Some(path),
+            false => self.try_mesh(&path, false),
+        }
+    }
+
+    /// A mesh becomes the head: the active one, else the first; a document without gets one. `bald`: the hair that is there goes.
+    pub(super) fn try_mesh(&mut self, path: &Path, bald: bool) {
         let state = &self.state;
         let node = head_of(&state.document, state.active())
             .unwrap_or_else(|| state.document.free_id("head"));
@@ -49,7 +59,7 @@ impl Editor {
         let before = self.state.history.done();
         let placing = Placing::default();
         self.documents.head =
-            Some(OwnHead { node: node.clone(), path, placing, parts: vec![], done: before });
+            Some(OwnHead { node: node.clone(), path, placing, parts: vec![], done: before, bald });
         if self.make(&Placing::default(), false) {
             self.documents.welcome.is_open = false;
             self.apply(Event::Select(Select::Nodes(vec![node])));
@@ -90,8 +100,10 @@ impl Editor {
     fn make(&mut self, placing: &Placing, drags: bool) -> bool {
         let Some(head) = &self.documents.head else { return false };
         let (node, path) = (head.node.clone(), head.path.clone());
-        let mut edits = vec![];
-        let document = &self.state.document;
+        let bare = head.bald.then(|| wiring::without_hair(&self.state.document));
+        let mut edits: Vec<Edit> =
+            bare.iter().map(|bare| between(&self.state.document, bare)).collect();
+        let document = bare.as_ref().unwrap_or(&self.state.document);
         if !document.nodes.contains_key(&node) {
             let fresh = document.fresh_node("head", &node).into();
             edits.push(Edit::AddNode { id: node.clone(), node: fresh, at: None });

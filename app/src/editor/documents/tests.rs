@@ -256,6 +256,9 @@ fn grooms_and_meshes_are_dropped_on_the_window() {
     std::fs::write(folder.path("head.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let before = ui.state().state.document.clone();
     drop_on(&mut ui, &folder.path("head.obj"));
+    assert_eq!(ui.state().state.document, before, "it asks what becomes of the hair");
+    press(&mut ui, "With the hair");
+    ui.run_steps(3);
     let head = life::head_of(&ui.state().state.document, None).unwrap();
     let mesh = |ui: &Ui| ui.state().state.document.nodes[&head].inputs.get("mesh").cloned();
     assert_eq!(mesh(&ui), Some(Setting::Known(Value::Text("head.obj".into()))));
@@ -269,8 +272,18 @@ fn grooms_and_meshes_are_dropped_on_the_window() {
     assert_eq!(node.inputs["up"], Setting::Known(Value::Text("z".into())));
     act(&mut ui, "edit.undo");
     assert_eq!(ui.state().state.document, before);
+    // Without the hair it is one step, too, and is taken back whole.
     drop_on(&mut ui, &folder.path("head.obj"));
+    press(&mut ui, "Instead of the hair");
+    ui.run_steps(3);
+    assert_eq!(ui.state().state.document.nodes.keys().collect::<Vec<_>>(), [&head]);
     press(&mut ui, "-90°");
+    // What is said of the mesh moves the buttons.
+    until("it is evaluated", || {
+        ui.step();
+        ui.state().is_idle()
+    });
+    ui.run_steps(3);
     press(&mut ui, "Cancel");
     assert_eq!(ui.state().state.document, before);
 }

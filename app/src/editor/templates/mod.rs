@@ -1,5 +1,6 @@
 //! What is done with templates: one is added to the document, one's file gets a picture.
 
+pub(super) mod save;
 mod upgrade;
 
 use crate::core::event::Event;
@@ -30,6 +31,7 @@ impl Editor {
             TemplateEvent::NotNow => self.state.offer = None,
             TemplateEvent::Keep { id, kept } => self.keep_version(&id, kept),
             TemplateEvent::Thumbnail(path) => self.make_thumbnail(path),
+            TemplateEvent::Save => self.ask_to_save_template(),
         }
     }
 
@@ -109,6 +111,8 @@ impl Editor {
 
     /// Takes what threads have done.
     pub(crate) fn settle_templates(&mut self, ctx: &egui::Context) {
+        self.save_template_panel(ctx);
+        self.settle_written(ctx);
         let at_work = &mut self.templates.at_work;
         let read = at_work.reading.as_ref().and_then(|reading| {
             let mut reading = reading.lock().unwrap_or_else(PoisonError::into_inner);

@@ -27,6 +27,7 @@ const NODE: &[&str] = &[
     "canvas.group",
     "canvas.ungroup",
     "canvas.enter",
+    "template.save",
     "canvas.tidy",
 ];
 

@@ -10,7 +10,7 @@ use crate::core::state::{Select, State};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::cvs;
 use coif_graphs::document::strokes::whole::{self, End};
-use coif_graphs::document::{NodeId, Setting};
+use coif_graphs::document::{NodeId, Setting, wiring};
 use coif_nodes::data::gestures::Tool;
 use coif_nodes::data::strokes::{Mode, Stroke};
 use coif_nodes::define::Value;
@@ -56,7 +56,7 @@ macro_rules! recipe {
             words: $words,
             menu: "Pen",
             when: always,
-            run: |_, state, out| cook(state, $at, out),
+            run: |pen, state, out| ask(pen, state, $at, out),
         }
     };
 }
@@ -636,12 +636,27 @@ fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
     step(state, &node, "strokes joined", edits, out);
 }
 
-/// Makes a recipe and takes up the pen, where there is something to draw. What it is made of is selected: the inspector shows
-/// what to draw into, or the colour of hair that is there.
-fn cook(state: &State, recipe: usize, out: &mut Vec<Event>) {
+/// Makes a recipe on a bare head; over hair it is asked first whether that stays.
+fn ask(pen: &mut Pen, state: &State, recipe: usize, out: &mut Vec<Event>) {
+    match wiring::has_hair(&state.document) {
+        true => {
+            pen.asked = Some(recipe);
+            out.push(Event::Show(Room::Viewport));
+        }
+        false => cook(state, recipe, false, out),
+    }
+}
+
+/// Makes a recipe, instead of the hair that is there or as well, and takes up the pen, where there is something to draw. What it is made
+/// of is selected: the inspector shows what to draw into, or the colour of hair that is there.
+pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Event>) {
     let Some(recipe) = recipes::ALL.get(recipe) else { return };
     let mirror = state.settings.pen.symmetry;
-    let made = match recipe.edits(&state.document, state.active(), mirror) {
+    let made = match instead {
+        true => recipe.instead(&state.document, mirror),
+        false => recipe.edits(&state.document, state.active(), mirror),
+    };
+    let made = match made {
         Ok(made) => made,
         Err(why) => {
             return out.push(Event::Say(Note::warning(format!("{}: {why}", recipe.label))));

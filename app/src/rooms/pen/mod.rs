@@ -15,6 +15,7 @@ mod drawing;
 mod edits;
 mod gestures;
 pub(crate) mod hair;
+mod hairline;
 pub(crate) mod mask;
 mod overlay;
 mod panel;
@@ -184,8 +185,11 @@ pub struct Pen {
     pub picked: StrokeSelection,
     /// Whether the settings of devices are open.
     pub settings_open: bool,
+    /// A recipe over hair, while it is asked whether that hair stays.
+    pub(crate) asked: Option<usize>,
     /// Whether new nodes hold strokes in space.
     pub free: bool,
+    hairline: std::cell::RefCell<hairline::Hairline>,
     /// What it does to hair.
     pub(crate) hair: hair::Hair,
     /// What it paints.

@@ -25,6 +25,9 @@ impl Pen {
     /// Paints over the picture.
     pub(super) fn paint(&self, ui: &egui::Ui, scene: &Scene) {
         let painter = ui.painter_at(scene.view.rect);
+        if self.tool == PenTool::Draw {
+            self.hairline.borrow_mut().paint(&painter, scene);
+        }
         if self.tool != PenTool::Select {
             let hovered = self.hovered(scene);
             for shape in self.shapes.all() {

@@ -226,6 +226,46 @@ impl Pen {
         out.push(Event::Nudge(Edit::Several(raised.collect())));
     }
 
+    /// Asks whether the hair that is there stays under a recipe.
+    pub(crate) fn recipe_window(
+        &mut self,
+        state: &State,
+        ctx: &egui::Context,
+        out: &mut Vec<Event>,
+    ) {
+        let Some(recipe) = self.asked.and_then(|at| recipes::ALL.get(at)) else { return };
+        let at = self.asked.unwrap_or_default();
+        let (mut open, mut cancel, mut instead) = (true, false, None);
+        panel::window(recipe.label, "recipe over hair", ctx)
+            .open(&mut open)
+            .collapsible(false)
+            .resizable(false)
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(panel::room(ctx).center())
+            .show(ctx, |ui| {
+                panel::body(ui, 260.0, |ui| {
+                    ui.label("There is hair on the head already.");
+                    ui.horizontal_wrapped(|ui| {
+                        let tip = "Remove the hair that is there. The head and its masks stay.";
+                        if ui.button("Instead").on_hover_text(tip).clicked() {
+                            instead = Some(true);
+                        }
+                        let tip = "Keep the hair that is there.";
+                        if ui.button("As well").on_hover_text(tip).clicked() {
+                            instead = Some(false);
+                        }
+                        cancel = ui.button("Cancel").clicked();
+                    });
+                });
+            });
+        if let Some(instead) = instead {
+            super::actions::cook(state, at, instead, out);
+        }
+        if instead.is_some() || cancel || !open {
+            self.asked = None;
+        }
+    }
+
     /// The window with the settings of devices, when it is open.
     pub fn settings_window(&mut self, state: &State, ctx: &egui::Context, out: &mut Vec<Event>) {
         if !self.settings_open {

@@ -6,7 +6,7 @@
 use super::target;
 use crate::library;
 use coif_graphs::document::edit::{Edit, between};
-use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups};
+use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups, wiring};
 use coif_graphs::grooms;
 use coif_graphs::template::{self, Placement};
 use coif_nodes::define::Value;
@@ -169,6 +169,17 @@ impl Recipe {
     /// Whether the pen is to draw it.
     pub(crate) fn is_drawn(&self) -> bool {
         self.draws != Draws::Nothing
+    }
+
+    /// The same on the bare head: the hair that is there goes.
+    ///
+    /// # Errors
+    /// As [`Recipe::edits`].
+    pub(crate) fn instead(&self, document: &Document, mirror: bool) -> Result<RecipeEdits, String> {
+        let bare = wiring::without_hair(document);
+        let made = self.edits(&bare, None, mirror)?;
+        let edits = [between(document, &bare)].into_iter().chain(made.edits).collect();
+        Ok(RecipeEdits { edits, ..made })
     }
 
     /// The edits of the recipe. Its head is the one at hand, where the document has one; rows are drawn into `strokes`, when
@@ -340,6 +351,47 @@ mod tests {
                 assert_eq!(count, 1, "{}: {kind}", recipe.label);
             }
             assert!(!kinds.contains(&"group"), "{}: plain nodes", recipe.label);
+        }
+    }
+
+    #[test]
+    fn over_hair_a_recipe_asks_instead_or_as_well() {
+        use egui_kittest::kittest::Queryable as _;
+        let outputs = |table: &mut Table| {
+            let document = &table.editor().state.document;
+            let kinds = document.nodes.values().filter(|node| node.kind == "groom_output");
+            (kinds.count(), document.nodes.contains_key(&NodeId::new("head").unwrap()))
+        };
+        let mut table = table_with(&ALL[1]);
+        let before = table.editor().state.document.clone();
+        for (words, expected) in [("Cancel", 1), ("As well", 2), ("Instead", 1)] {
+            table.editor().act(ALL[5].action);
+            table.step();
+            table.step();
+            assert_eq!(table.editor().state.document, before, "nothing is done before it is asked");
+            table.harness.get_by_label(words).click();
+            table.step();
+            table.step();
+            assert_eq!(outputs(&mut table), (expected, true), "{words}");
+            assert!(table.harness.query_by_label("Instead").is_none());
+            if words != "Cancel" {
+                assert_eq!(table.done(), 2, "one step");
+                table.editor().apply(Event::Undo);
+            }
+        }
+        assert_eq!(table.editor().state.document, before);
+    }
+
+    #[test]
+    fn recipes_name_no_colour_that_somebody_may_change() {
+        for recipe in &ALL {
+            let made = recipe.edits(&head(), None, false).expect(recipe.label);
+            let mut document = head();
+            Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
+            for node in document.nodes.values().filter(|node| node.kind == "hair_colour") {
+                let said = format!("{}{}", node.label.clone().unwrap_or_default(), node.note);
+                assert_eq!(said, "colour", "{}", recipe.label);
+            }
         }
     }
 

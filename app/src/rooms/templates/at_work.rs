@@ -11,8 +11,13 @@ pub(crate) struct AtWork {
     pub(crate) drawing: Option<Arc<Mutex<Option<Result<(), String>>>>>,
     /// The file that is drawn.
     pub(crate) path: PathBuf,
+    /// A template that is written: its file, and whether it is to be drawn.
+    pub(crate) writing: Option<Written>,
     pub(crate) reading: Option<Arc<Mutex<Reading>>>,
 }
+
+/// What became of a template that was written: its file, and whether it is to be drawn then.
+pub(crate) type Written = Arc<Mutex<Option<Result<(PathBuf, bool), String>>>>;
 
 /// What a template is read for.
 #[derive(Clone)]

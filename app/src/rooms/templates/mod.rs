@@ -25,6 +25,7 @@ use egui::{Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, vec2};
 use pictures::Pictures;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// The room.
 #[derive(Default)]
@@ -40,12 +41,16 @@ pub(crate) struct Templates {
     /// The frame in which it was seen last, and whether the window had the keyboard.
     seen: Option<u64>,
     focused: bool,
+    /// When the folders are looked through next, in seconds of the window.
+    looks_at: f64,
     /// The field of the search is to take what is typed.
     search: bool,
     /// The chosen one is to be in sight.
     reveal: bool,
 }
 
+/// The folders are looked through so often while the room is seen, seconds.
+const EVERY: f64 = 1.0;
 /// Height of what is said of the chosen one.
 const DETAILS: f32 = 136.0;
 /// Where a room is lower there is no place for it.
@@ -77,9 +82,13 @@ impl Templates {
         let frame = ui.ctx().cumulative_frame_nr();
         let focused = ui.input(|input| input.focused);
         let opened = self.seen.is_none_or(|seen| seen + 1 < frame);
-        if opened || (focused && !self.focused) {
+        // What others put into the folders is seen while the room is, too.
+        let now = ui.input(|input| input.time);
+        if opened || (focused && !self.focused) || now >= self.looks_at {
             self.look(ui.ctx());
+            self.looks_at = now + EVERY;
         }
+        ui.ctx().request_repaint_after(Duration::from_secs_f64((self.looks_at - now).max(0.0)));
         (self.seen, self.focused) = (Some(frame), focused);
         self.pictures.begin(frame);
         let rows = self.shelf.rows();

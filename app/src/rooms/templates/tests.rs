@@ -15,6 +15,7 @@ use coif_nodes::data::field::Field;
 use coif_nodes::declared::Interface;
 use coif_nodes::define::Value;
 use egui::{Key, PointerButton, Pos2};
+use egui_kittest::kittest::Queryable as _;
 
 /// A template of coif under another name.
 fn text(name: &str, change: impl FnOnce(&mut Document)) -> String {
@@ -377,4 +378,56 @@ fn what_is_offered_follows_the_document_and_a_template_that_lacks_loses_nothing(
     hands.editor().apply(Event::Edit(Edit::RemoveNode { id: id.clone() }));
     hands.steps(2);
     assert!(hands.editor().state.offer.is_none());
+}
+
+#[test]
+fn a_groom_is_saved_as_a_template_in_the_window_and_stands_on_the_shelf_at_once() {
+    let folder = Folder::new("templates-save");
+    let shelf = vec![("a show".to_owned(), folder.root().to_owned())];
+    let hands = &mut Hands::with_templates(groom("cornrows"), shelf);
+    hands.editor().act("template.save");
+    hands.steps(3);
+    hands.click_on("Render a thumbnail");
+    hands.0.get_by_label("cornrows: strands").click_accesskit();
+    hands.steps(2);
+    hands.0.get_by_label("Save").click();
+    hands.steps(2);
+    let path = folder.path("cornrows-1.0.ron");
+    until("it is written and listed", || {
+        hands.steps(2);
+        let rows = hands.editor().templates.shelf.rows();
+        rows.iter().any(|row| row.key() == path.display().to_string())
+    });
+    let entry = library::read(&path).unwrap();
+    let group = template::group_of(&entry.document).unwrap().clone();
+    assert_eq!((entry.title.as_str(), entry.origin.version.as_str()), ("Cornrows", "1.0"));
+    let ports: Vec<&str> = {
+        let def = entry.document.def(&group).unwrap();
+        def.inputs.iter().map(|input| input.name).collect()
+    };
+    assert!(ports.contains(&"strands") && ports.contains(&"scalp"), "{ports:?}");
+    assert_eq!(hands.editor().state.document, groom("cornrows"), "the groom stays as it is");
+    // Another of this name and version is not written over.
+    let colour = "colour".parse().unwrap();
+    hands.editor().apply(Event::Edit(Edit::RemoveNode { id: colour }));
+    hands.editor().act("template.save");
+    hands.steps(3);
+    hands.0.get_by_label("Save").click();
+    hands.steps(2);
+    hands.steps(2);
+    let said = hands.0.query_all_by_label_contains("has this name and version and another hash");
+    assert_eq!(said.count(), 1);
+    assert_eq!(library::read(&path).unwrap().hash, entry.hash);
+}
+
+#[test]
+fn what_others_put_into_a_folder_is_listed_while_the_room_is_open() {
+    let folder = Folder::new("templates-new");
+    let shelf = shelf_of(&folder, 1);
+    let hands = &mut Hands::with_templates(groom("start"), shelf);
+    std::fs::write(folder.path("late.ron"), text("late", |_| {})).unwrap();
+    until("it is listed", || {
+        hands.steps(1);
+        hands.editor().templates.shelf.rows().iter().any(|row| row.title() == "Style late")
+    });
 }

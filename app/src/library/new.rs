@@ -1,0 +1,120 @@
+//! A template made of a groom, for the command line and the window alike: what becomes its group, which inputs it has, what is said of
+//! it, and the file that it is kept in.
+//!
+//! Guarantees: the groom is not changed; a file of the library is never taken for another template of its name and version.
+
+use coif_graphs::document::edit::Edit;
+use coif_graphs::document::{Document, NodeId, Origin, Socket, groups};
+use coif_graphs::template;
+use coif_nodes::define::short;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// What a template is made of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Of {
+    /// All nodes but heads, outputs and what waits to be drawn into.
+    All,
+    /// A group.
+    Group(NodeId),
+    /// These nodes, which become a group.
+    #[cfg(feature = "editor")]
+    Nodes(BTreeSet<NodeId>),
+}
+
+/// A template that is to be made.
+#[derive(Clone, Debug)]
+pub(crate) struct NewTemplate {
+    /// Of what.
+    pub(crate) of: Of,
+    /// Inputs of nodes in the group, as node.input, that the template has as its own.
+    pub(crate) exposed: Vec<String>,
+    /// What people call it; else the group's label.
+    pub(crate) title: Option<String>,
+    /// What is said of it; else the group's note.
+    pub(crate) description: Option<String>,
+    /// Its mark; without a name, the group's.
+    pub(crate) origin: Origin,
+}
+
+impl NewTemplate {
+    /// The group that it is made of, in a groom that has it, before anything else is done.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub(crate) fn grouped(&self, document: &Document) -> Result<(Document, NodeId), String> {
+        let name = &self.origin.name;
+        let name = if name.trim().is_empty() { "template" } else { name };
+        match &self.of {
+            Of::All => template::grouped(document, name),
+            Of::Group(group) => Ok((document.clone(), group.clone())),
+            #[cfg(feature = "editor")]
+            Of::Nodes(nodes) => groups::make(document, nodes, name),
+        }
+    }
+
+    /// The template of a groom.
+    ///
+    /// # Errors
+    /// Why it cannot be made.
+    pub(crate) fn of(&self, document: &Document) -> Result<Document, String> {
+        let (mut made, group) = self.grouped(document)?;
+        for input in &self.exposed {
+            let inner: Socket =
+                format!("{group}/{input}").parse().map_err(|err| format!("{err}"))?;
+            let (edit, _) = groups::expose(&made, &inner)?;
+            edit.apply(&mut made).map_err(|err| err.to_string())?;
+        }
+        let label = self
+            .title
+            .clone()
+            .map(|title| Edit::SetLabel { id: group.clone(), label: Some(title) });
+        let note =
+            self.description.clone().map(|note| Edit::SetNodeNote { id: group.clone(), note });
+        for edit in label.into_iter().chain(note) {
+            edit.apply(&mut made).map_err(|err| err.to_string())?;
+        }
+        let mut origin = self.origin.clone();
+        if origin.name.is_empty() {
+            group.word().clone_into(&mut origin.name);
+        }
+        template::new(&made, &group, origin)
+    }
+}
+
+/// Why a name or a version of a template cannot be, beginning with it.
+pub(crate) fn bad_word(word: &str) -> Option<String> {
+    let is_good = !word.trim().is_empty()
+        && word.chars().all(is_plain)
+        && !word.starts_with('.')
+        && word.len() <= 100;
+    (!is_good).then(|| {
+        format!(
+            "{:?}: letters, digits, blanks and - _ . are allowed, 1 to 100 bytes, and none begins with a dot",
+            short(word)
+        )
+    })
+}
+
+fn is_plain(c: char) -> bool {
+    c.is_alphanumeric() || "-_. ".contains(c)
+}
+
+/// The file of a template in a folder of the library.
+///
+/// # Errors
+/// Its name and version are no name for a file.
+pub(crate) fn file_name(name: &str, version: &str) -> Result<String, String> {
+    let words = [name, version].join("-");
+    if !words.chars().all(is_plain) || words.starts_with('.') || words.len() > 128 {
+        return Err(format!("{:?} is no name for a file", short(&words)));
+    }
+    Ok(format!("{words}.ron"))
+}
+
+/// What is said where a file holds another template than one of this hash; nothing where it can be written.
+pub(crate) fn is_another(target: &Path, hash: &str) -> Option<String> {
+    let there = super::read(target).ok()?;
+    (there.hash != hash)
+        .then(|| format!("{} has this name and version and another hash", target.display()))
+}
