@@ -9,7 +9,7 @@ use super::{Exit, complain, complain_of, ending, pack, print, print_plain, thumb
 use crate::files::{Role, Together};
 use crate::jobs::stop::Stop;
 use crate::jobs::thumbnail::{CAMERA, SIZE, of};
-use crate::library::new::{NewTemplate, Of};
+use crate::library::new::{MadeOf, NewTemplate};
 use crate::library::{self, LibraryEntry};
 use crate::pack::is_pack;
 use crate::places::Places;
@@ -338,7 +338,7 @@ fn new(args: &NewArgs) -> Exit {
     let made = rewritten(&args.graph, Some(&args.out), |document, files, cancel| {
         let group = args.group.as_deref().map(NodeId::new).transpose();
         let made = NewTemplate {
-            of: group.map_err(|err| err.to_string())?.map_or(Of::All, Of::Group),
+            of: group.map_err(|err| err.to_string())?.map_or(MadeOf::All, MadeOf::Group),
             exposed: args.exposed.clone(),
             title: args.title.clone(),
             description: args.description.clone(),

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// What a template is made of.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Of {
+pub(crate) enum MadeOf {
     /// All nodes but heads, outputs and what waits to be drawn into.
     All,
     /// A group.
@@ -26,7 +26,7 @@ pub(crate) enum Of {
 #[derive(Clone, Debug)]
 pub(crate) struct NewTemplate {
     /// Of what.
-    pub(crate) of: Of,
+    pub(crate) of: MadeOf,
     /// Inputs of nodes in the group, as node.input, that the template has as its own.
     pub(crate) exposed: Vec<String>,
     /// What people call it; else the group's label.
@@ -46,10 +46,10 @@ impl NewTemplate {
         let name = &self.origin.name;
         let name = if name.trim().is_empty() { "template" } else { name };
         match &self.of {
-            Of::All => template::grouped(document, name),
-            Of::Group(group) => Ok((document.clone(), group.clone())),
+            MadeOf::All => template::grouped(document, name),
+            MadeOf::Group(group) => Ok((document.clone(), group.clone())),
             #[cfg(feature = "editor")]
-            Of::Nodes(nodes) => groups::make(document, nodes, name),
+            MadeOf::Nodes(nodes) => groups::make(document, nodes, name),
         }
     }
 

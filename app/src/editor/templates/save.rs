@@ -6,9 +6,10 @@
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::state::State;
+use crate::core::templates::ShelfRow;
 use crate::editor::Editor;
 use crate::files::{Role, Together};
-use crate::library::new::{NewTemplate, Of, bad_word, file_name, is_another};
+use crate::library::new::{MadeOf, NewTemplate, bad_word, file_name, is_another};
 use crate::rooms::templates::at_work::Written;
 use crate::widgets::text::{set_name, spoken};
 use crate::widgets::{panel, theme};
@@ -27,7 +28,7 @@ const WIDTH: f32 = 380.0;
 
 /// What is typed into the panel.
 pub(crate) struct SaveTemplate {
-    of: Of,
+    of: MadeOf,
     title: String,
     /// Follows the title until it is typed.
     name: Option<String>,
@@ -59,9 +60,9 @@ impl SaveTemplate {
         let group = state.active().filter(|_| nodes.len() == 1);
         let group = group.filter(|id| document.node(id.as_str()).is_some_and(Node::is_group));
         let (of, title) = match group {
-            Some(group) => (Of::Group(group.clone()), document.name_of(group).into_owned()),
-            None if nodes.len() > 1 => (Of::Nodes(nodes.clone()), String::new()),
-            None => (Of::All, document.title.clone()),
+            Some(group) => (MadeOf::Group(group.clone()), document.name_of(group).into_owned()),
+            None if nodes.len() > 1 => (MadeOf::Nodes(nodes.clone()), String::new()),
+            None => (MadeOf::All, document.title.clone()),
         };
         let note = group.and_then(|id| document.node(id.as_str())).map(|node| node.note.clone());
         let mut new = Self {
@@ -106,8 +107,13 @@ impl SaveTemplate {
         }
     }
 
-    /// The template and its file.
-    fn made(&self, document: &Document, folder: &Path) -> Result<(Document, PathBuf), String> {
+    /// The template and its file; `shelf` is what the library has.
+    fn made(
+        &self,
+        document: &Document,
+        folder: &Path,
+        shelf: &[ShelfRow],
+    ) -> Result<(Document, PathBuf), String> {
         let wanted = self.template();
         let Origin { name, version, .. } = &wanted.origin;
         let words = [("the name", name), ("the version", version)];
@@ -117,6 +123,22 @@ impl SaveTemplate {
             return Err(why);
         }
         let target = folder.join(file_name(name, version)?);
+        // Of one name and version the library knows the first alone.
+        let taken = shelf.iter().find_map(|row| match row {
+            ShelfRow::Found(it)
+                if it.origin.name == *name
+                    && it.origin.version == *version
+                    && it.path.as_ref() != Some(&target) =>
+            {
+                Some(&it.place)
+            }
+            _ => None,
+        });
+        if let Some(place) = taken {
+            return Err(format!(
+                "{name} {version} is a template already ({place}): give this one another name or version"
+            ));
+        }
         let made = wanted.of(document)?;
         let group = template::group_of(&made)?;
         match is_another(&target, &template::hash(&made, group)) {
@@ -139,9 +161,17 @@ fn word_of(title: &str) -> String {
 /// The inputs in a group that are set to something and come by no wire: those that a template may have as its own.
 fn inputs(document: &Document, group: &NodeId) -> Vec<InputChoice> {
     let mut found = vec![];
+    let named =
+        |name: &str| document.inside(group).filter(|(id, _)| document.name_of(id) == name).count();
     for (id, node) in document.inside(group) {
         let Some(def) = document.def(id) else { continue };
         let within = &id.as_str()[group.as_str().len() + 1..];
+        // Of two nodes of one name it is told which.
+        let name = document.name_of(id);
+        let name = match named(&name) {
+            1 => name.into_owned(),
+            _ => format!("{name} ({within})"),
+        };
         for input in def.inputs {
             let Some(Setting::Known(value)) = node.inputs.get(input.name) else { continue };
             let drawn = matches!(input.ty, Type::Strokes | Type::Gestures);
@@ -150,18 +180,21 @@ fn inputs(document: &Document, group: &NodeId) -> Vec<InputChoice> {
             }
             found.push(InputChoice {
                 path: format!("{within}.{}", input.name),
-                label: format!("{}: {}", document.name_of(id), spoken(input.name).to_lowercase()),
+                label: format!("{name}: {}", spoken(input.name).to_lowercase()),
                 value: short(&text::write_value(value)),
                 exposed: false,
             });
         }
     }
-    found.sort_by_key(|input| input.label.to_lowercase());
+    found.sort_by_key(|input: &InputChoice| input.label.to_lowercase());
     found
 }
 
 impl Editor {
     pub(super) fn ask_to_save_template(&mut self) {
+        // Which names there are is known by the time that one is typed.
+        let wake = self.documents.waker();
+        self.templates.shelf.look(self.templates.folders.clone(), move || wake());
         self.saving_template = Some(SaveTemplate::new(&self.state));
     }
 
@@ -176,9 +209,11 @@ impl Editor {
                 panel::body(ui, WIDTH, |ui| {
                     ui.set_max_width(WIDTH);
                     let what = match &asked.of {
-                        Of::All => "The whole groom, without its head.".to_owned(),
-                        Of::Group(id) => format!("The group {}.", self.state.document.name_of(id)),
-                        Of::Nodes(nodes) => format!("{} selected nodes.", nodes.len()),
+                        MadeOf::All => "The whole groom, without its head.".to_owned(),
+                        MadeOf::Group(id) => {
+                            format!("The group {}.", self.state.document.name_of(id))
+                        }
+                        MadeOf::Nodes(nodes) => format!("{} selected nodes.", nodes.len()),
                     };
                     ui.label(RichText::new(what).color(theme::QUIET));
                     fields(ui, &mut asked, folders);
@@ -199,7 +234,8 @@ impl Editor {
         if save {
             let folder = folders.get(asked.folder).map(|(_, folder)| folder.clone());
             let made = folder.ok_or_else(|| "there is no folder for templates".to_owned());
-            match made.and_then(|folder| asked.made(&self.state.document, &folder)) {
+            let shelf = self.templates.shelf.rows();
+            match made.and_then(|folder| asked.made(&self.state.document, &folder, &shelf)) {
                 Ok((made, target)) => {
                     self.write_template(made, target, asked.draws);
                     return;

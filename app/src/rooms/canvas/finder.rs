@@ -127,7 +127,8 @@ impl Finder {
                     self.list(ui, &lines, (up || down, most), &mut picked);
                     if hints {
                         ui.separator();
-                        let hint = RichText::new(self.hint(document)).small();
+                        let hint =
+                            RichText::new(self.hint(document, lines.get(self.chosen))).small();
                         ui.add(egui::Label::new(hint.color(theme::QUIET)).truncate());
                     }
                 });
@@ -196,8 +197,16 @@ impl Finder {
     }
 
     /// What the keys do, in one line.
-    fn hint(&self, document: &Document) -> String {
+    fn hint(&self, document: &Document, chosen: Option<&Line>) -> String {
+        let places = chosen.and_then(|line| match line.pick {
+            FinderChoice::Kind(_, _, Some((PLACES_AT, end))) => Some(end),
+            _ => None,
+        });
         match &self.task {
+            Task::Add { link: Some(Link::From(from)), .. } if places.is_some() => {
+                let (end, name) = (places.unwrap_or_default(), document.name_of(&from.node));
+                format!("Enter adds it at the {end} of {name}")
+            }
             Task::Add { link: Some(Link::From(from)), dropped: false, .. }
                 if is_in_chain(document, from) =>
             {
@@ -444,13 +453,19 @@ fn inputs(document: &Document, face: &Face, from: &Socket, typed: &str) -> Vec<L
         let here = document.wires(&socket.node, &socket.name);
         let beside = match (here.first(), def) {
             (Some(has), _) => format!("has {}", document.name_of(&has.node)),
-            (None, def) => def.map_or("", |input| input.ty.name()).to_owned(),
+            (None, def) => def.map_or("", |input| short_name(input.ty)).to_owned(),
         };
         let tip = def.map_or(String::new(), InputDef::doc);
         found.push((score, Line { label, beside, tip, pick: FinderChoice::Input(socket) }));
     }
     found.sort_by_key(|(score, _)| *score);
     found.into_iter().map(|(_, line)| line).collect()
+}
+
+/// The name of a type without what explains it in brackets.
+pub(super) fn short_name(ty: Type) -> &'static str {
+    let name = ty.name();
+    name.split(" (").next().unwrap_or(name)
 }
 
 /// Whether something takes from an output, so that what is added behind it is inserted.

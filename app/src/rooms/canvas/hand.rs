@@ -1,13 +1,13 @@
 //! What the hand holds on the canvas: a wire's end, a bend, a frame, a knife. And what it aims at.
 
 use super::edits;
+use super::finder::short_name;
 use super::node::End;
 use super::wires::Wire;
 use crate::core::faces::{Face, Faces, Plug, comes_by_wire};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::wiring::{self, LooseWire};
 use coif_graphs::document::{Document, NodeId, Socket};
-use coif_nodes::define::Type;
 use egui::{Pos2, Rect, Vec2};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -172,9 +172,7 @@ impl Loose {
         let loose = LooseWire::from_output(document, from.clone());
         let why = of_type.and_then(|it| loose.reason(&Socket::new(face.id.clone(), it.name)));
         why.unwrap_or_else(|| {
-            let given = given.map_or("such thing", Type::name);
-            // (In short: a field is explained in brackets.)
-            format!("{} takes no {}", face.label, given.split(" (").next().unwrap_or(given))
+            format!("{} takes no {}", face.label, given.map_or("such thing", short_name))
         })
     }
 

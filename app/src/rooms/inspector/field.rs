@@ -37,7 +37,7 @@ pub(crate) struct FieldEditor<'a> {
 
 /// Where somebody lets a number come from.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Source {
+pub(crate) enum NumberSource {
     /// A field, as the value of the input.
     Field(Field),
     /// A wire from an output.
@@ -107,7 +107,7 @@ impl FieldEditor<'_> {
         ui: &mut Ui,
         field: &Field,
         painted: &[(Socket, String)],
-    ) -> Option<Source> {
+    ) -> Option<NumberSource> {
         let at = source(field);
         let mut new = None;
         let size = Vec2::splat(ui.spacing().interact_size.y);
@@ -126,13 +126,13 @@ impl FieldEditor<'_> {
                     let chosen = chosen.on_hover_text(*tip);
                     let none = "The head has no masks. M paints one, which is listed here.";
                     if chosen.on_disabled_hover_text(none).clicked() {
-                        new = (to != at).then(|| Source::Field(self.switched(field, to)));
+                        new = (to != at).then(|| NumberSource::Field(self.switched(field, to)));
                         ui.close();
                     }
                     for (socket, name) in painted.iter().filter(|_| to == 3) {
                         let chosen = ui.button(format!("Mask: {name}"));
                         if chosen.on_hover_text("Wire this mask to the input.").clicked() {
-                            new = Some(Source::Wire(socket.clone()));
+                            new = Some(NumberSource::Wire(socket.clone()));
                             ui.close();
                         }
                     }
@@ -237,7 +237,7 @@ impl FieldEditor<'_> {
                         if let Some((part, how)) = editor.shown(ui, part, inner, depth + 1) {
                             new = Some((with(parts, i, Some(part)), how));
                         }
-                        if let Some(Source::Field(part)) = editor.source_menu(ui, part, &[])
+                        if let Some(NumberSource::Field(part)) = editor.source_menu(ui, part, &[])
                             && depth + 1 < DEEPEST_FIELD
                         {
                             new = Some((with(parts, i, Some(part)), How::Once));

@@ -1,7 +1,7 @@
 //! The value of an input, by its type. What cannot be read is shown as the text that is kept.
 
 use super::FieldNames;
-use super::field::{FieldEditor, Source};
+use super::field::{FieldEditor, NumberSource};
 use super::number::Scale;
 use super::ramp::RampField;
 use super::shapes;
@@ -282,8 +282,8 @@ fn field(
         }
         let now = held.unwrap_or(Field::Constant(1.0));
         match editor.source_menu(ui, &now, &painted(target, input)) {
-            Some(Source::Field(field)) => target.set(input, field, How::Once),
-            Some(Source::Wire(from)) => {
+            Some(NumberSource::Field(field)) => target.set(input, field, How::Once),
+            Some(NumberSource::Wire(from)) => {
                 let to = |node: &NodeId| Socket::new(node.clone(), input.name);
                 let wire = |node| Edit::Connect { from: from.clone(), to: to(node), at: None };
                 target.say(target.nodes.iter().map(wire).collect(), How::Once);
