@@ -7,6 +7,7 @@ use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Origin, Socket, groups};
 use coif_graphs::template;
 use coif_nodes::define::short;
+#[cfg(feature = "editor")]
 use std::collections::BTreeSet;
 use std::path::Path;
 
