@@ -168,9 +168,9 @@ pub fn groom_made(name: &str, edits: &[(&str, &str)], sockets: &[&str], quality:
 
 /// A groom in memory.
 pub struct Groom {
-    /// All its hair, and how many strands of the final hair each stands for.
+    /// All its hair.
     pub hair: Curves,
-    /// 1 where all hair was made.
+    /// How many strands of the final hair each stands for: 1 where all was made.
     pub stands_for: f32,
     /// Other curves that were asked for.
     pub more: Vec<Curves>,
