@@ -13,7 +13,7 @@ use coif_graphs::schedule::budget::{Used, used};
 use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_graphs::schedule::plan::Plan;
 use coif_graphs::schedule::request::{BadRequest, proven};
-use coif_graphs::schedule::result::{inputs_hash, stands_for};
+use coif_graphs::schedule::result::{self, inputs_hash};
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
@@ -50,8 +50,10 @@ pub(crate) struct Evaluated {
     /// Names of the sections that hair may be rooted in, by their ids.
     pub(crate) sections: BTreeMap<u64, String>,
     /// The same heads as each parting on the way to the outputs leaves them.
+    #[cfg(feature = "render")]
     pub(crate) parted: Vec<Arc<Scalp>>,
     /// How many strands of the final hair each strand stands for, 1 or more.
+    #[cfg(feature = "render")]
     pub(crate) stands_for: f32,
     /// What was asked for besides, in that order.
     pub(crate) more: Vec<Value>,
@@ -239,8 +241,16 @@ impl Opened {
             return Err(Stop(Exit::Failed, vec![not_strict(graph)]));
         }
         let sections = section_names(&parted);
-        let stands_for = stands_for(&outcome.nodes);
-        Ok(Evaluated { groups, scalps, sections, parted, stands_for, more })
+        Ok(Evaluated {
+            groups,
+            scalps,
+            sections,
+            #[cfg(feature = "render")]
+            parted,
+            #[cfg(feature = "render")]
+            stands_for: result::stands_for(&outcome.nodes),
+            more,
+        })
     }
 }
 
