@@ -203,7 +203,8 @@ fn a_pen_at_an_x_server_sketches_hair_with_both_its_ends() {
         std::thread::sleep(A_WHILE);
         tablet.screen.shot(&Path::new(&shot).join("frizz.png"));
     }
-    tablet.draw(&turns((x - 12.0, y + 12.0), 16.0, 3, 0.15));
+    // Round the root, from which hair leads out of every turn wherever it was combed to.
+    tablet.draw(&turns((x + 2.0, y + 12.0), 16.0, 3, 0.15));
     tablet.turn(true);
     tablet.draw(&turns((x + 8.0, y + 25.0), 50.0, 2, 0.0));
     tablet.draw(&line((x - 60.0, y + 70.0), (x + 90.0, y + 78.0), middle));
