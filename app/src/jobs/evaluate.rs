@@ -13,7 +13,7 @@ use coif_graphs::schedule::budget::{Used, used};
 use coif_graphs::schedule::files::{DiskFiles, Files};
 use coif_graphs::schedule::plan::Plan;
 use coif_graphs::schedule::request::{BadRequest, proven};
-use coif_graphs::schedule::result::{self, inputs_hash};
+use coif_graphs::schedule::result::inputs_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Progress};
 use coif_nodes::data::attributes::DRIFT;
 use coif_nodes::data::curves::{Curves, Tuft};
@@ -248,7 +248,7 @@ impl Opened {
             #[cfg(feature = "render")]
             parted,
             #[cfg(feature = "render")]
-            stands_for: result::stands_for(&outcome.nodes),
+            stands_for: coif_graphs::schedule::result::stands_for(&outcome.nodes),
             more,
         })
     }
