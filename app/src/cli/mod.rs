@@ -38,7 +38,7 @@ mod unreal;
 
 use crate::files::extension_of;
 use crate::jobs::report;
-use crate::jobs::stop::Exit;
+use crate::jobs::stop::{Exit, Stop};
 use crate::words::{first_of, plain};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -101,6 +101,20 @@ enum Command {
     /// report. A prim or curve that contradicts itself is named, the others are measured, and the exit code is 1; so it is for
     /// Alembic objects whose curves are of a kind that is not read, such as NURBS.
     Measure(measure::MeasureArgs),
+}
+
+/// Ends a command that prints what it found: the report's warnings, then that, or why there is none.
+fn answer(mut report: report::Report, found: Result<String, Stop>) -> Exit {
+    for warning in first_of(std::mem::take(&mut report.warnings)) {
+        complain(format_args!("warning: {warning}"));
+    }
+    match found {
+        Ok(text) => print_plain(text.trim_end()),
+        Err(stop) => {
+            first_of(stop.lines().to_vec()).iter().for_each(complain);
+            stop.exit()
+        }
+    }
 }
 
 pub(crate) fn main() -> ExitCode {

@@ -3,13 +3,13 @@
 use super::groom::GroomArgs;
 use super::progress::Bar;
 use super::render::{CAMERA, SIZE, words};
-use super::{Exit, complain, ending, print_plain};
+use super::{Exit, answer, ending};
 use crate::files::Together;
 use crate::jobs::render::RenderRequest;
 use crate::jobs::render::probe::{Probed, probe};
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
-use crate::words::{first_of, plain_json};
+use crate::words::plain_json;
 use clap::Args;
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::define::short;
@@ -41,17 +41,8 @@ const MOST_PLACES: usize = 1000;
 pub(crate) fn run(args: &ProbeArgs) -> Exit {
     ending::at_once();
     let mut report = Report::new(args.groom.graph.display().to_string());
-    let probed = probed(args, &mut report);
-    for warning in first_of(std::mem::take(&mut report.warnings)) {
-        complain(format_args!("warning: {warning}"));
-    }
-    match probed {
-        Ok(text) => print_plain(text.trim_end()),
-        Err(stop) => {
-            first_of(stop.lines().to_vec()).iter().for_each(complain);
-            stop.exit()
-        }
-    }
+    let found = probed(args, &mut report);
+    answer(report, found)
 }
 
 /// What is printed.

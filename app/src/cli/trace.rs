@@ -3,13 +3,13 @@
 use super::eval::cache_bytes;
 use super::groom::GroomArgs;
 use super::progress::Bar;
-use super::{Exit, complain, ending, print_plain, tell};
+use super::{Exit, answer, ending, tell};
 use crate::files::Together;
 use crate::jobs::evaluate::{Evaluated, Opened};
 use crate::jobs::progress::Tell;
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
-use crate::words::{first_of, plain_json};
+use crate::words::plain_json;
 use clap::Args;
 use coif_graphs::document::{Document, Socket};
 use coif_graphs::schedule::files::DiskFiles;
@@ -41,17 +41,8 @@ pub(crate) fn run(mut args: TraceArgs) -> Exit {
     // What it costs is asked of coif eval.
     args.groom.no_budget = true;
     let mut report = Report::new(args.groom.graph.display().to_string());
-    let traced = traced(&args, &mut report);
-    for warning in first_of(std::mem::take(&mut report.warnings)) {
-        complain(format_args!("warning: {warning}"));
-    }
-    match traced {
-        Ok(text) => print_plain(text.trim_end()),
-        Err(stop) => {
-            first_of(stop.lines().to_vec()).iter().for_each(complain);
-            stop.exit()
-        }
-    }
+    let found = traced(&args, &mut report);
+    answer(report, found)
 }
 
 /// What is printed.

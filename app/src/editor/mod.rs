@@ -394,7 +394,7 @@ impl Editor {
         }
     }
 
-    /// Whether another document, or another head, is to be seen; a head that is turned by hand is none.
+    /// Whether a different document or head is about to be shown. Turning a head by hand does not count.
     fn is_afresh(&self) -> bool {
         self.state.shown.is_none() || self.documents.is_framing() && !self.state.gesture
     }

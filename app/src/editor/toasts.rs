@@ -43,7 +43,7 @@ struct Toast {
 }
 
 impl Toast {
-    /// Whether it is worth seeing still, so many seconds after it was said at most.
+    /// Whether it is still shown: for `lasts` seconds, and a note about the groom only until the groom changes.
     fn is_news(&self, now: f64, changes: u64, lasts: f64) -> bool {
         now - self.since < lasts && !(self.note.of_groom && self.changes != changes)
     }

@@ -2,7 +2,8 @@
 //!
 //! Guarantees: asking never waits; of several requests only the newest is run; a newer one stops what runs, except that a
 //! preview which follows a stopped one is let through, so that a picture comes however fast the hand is. What is handed over
-//! is final only when nothing newer was asked for meanwhile; of another document or head, the head comes first, without hair; of hair that was never made, a hundredth does. Another document is evaluated beside it when nothing else is to be done.
+//! is final only when nothing newer was asked for meanwhile. For a different document or head, the head comes first, without hair; for
+//! hair that was never made, a hundredth of it. Another document is evaluated beside it when nothing else is to be done.
 //! Not guaranteed: that every request has an answer.
 
 use crate::core::lineage::{Ancestor, lineage};
@@ -40,11 +41,11 @@ pub(crate) struct EvaluationRequest {
     pub quality: Quality,
     /// Whether nodes may make more than a groom is to have.
     pub allow_large: bool,
-    /// Another document or another head than before: the head is handed over before its hair is made.
+    /// A different document or head: the head is handed over before its hair is made.
     pub afresh: bool,
-    /// Of its hair nothing is known yet: some of it is handed over before so much as a preview is made.
+    /// None of its hair was made before: a hundredth is handed over before the preview.
     pub unknown: bool,
-    /// Something is dragged: what failed before is told until it is known anew, and not taken back in between.
+    /// Something is dragged: earlier failures stay until the new result is known.
     pub drags: bool,
 }
 
@@ -299,7 +300,7 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
         if request.unknown && request.quality == Quality::Preview {
             let first =
                 EvaluationRequest { quality: Quality::FirstLook, also: vec![], ..request.clone() };
-            // What nodes say of so little hair is not repeated.
+            // Messages of nodes about so little hair are dropped.
             let said = &mut Reports::default();
             let shown = evaluate(evaluator, &first, &files.1, (&cancel, &told), said);
             if let Some(shown) = shown.filter(|shown| shown.curves.curve_count() > 0) {
@@ -431,8 +432,8 @@ fn beside(
     }
 }
 
-/// The heads that what is displayed stands on, which come out again from what is kept when the hair is made; none where there is
-/// none, or somebody asked to stop.
+/// The heads of what is displayed, without hair; they are kept, so making the hair afterwards does not make them again. `None` without
+/// a head, or when stopped.
 fn head_alone(
     evaluator: &Evaluator,
     request: &EvaluationRequest,
@@ -508,7 +509,7 @@ fn evaluate(
     let mut over = used(&document.budget, &outcome, displayed);
     over.retain(|used| used.is_over() && request.quality == Quality::Final);
     let Outcome { targets: values, nodes, .. } = outcome;
-    // What is asked for besides what is displayed makes hair that is not seen.
+    // Sockets asked for beyond what is displayed make hair that is not drawn.
     let way = upstream(document, sockets.iter().map(|socket| &socket.node));
     let seen = nodes.iter().filter(|node| way.iter().any(|id| id.as_str() == node.name));
     let stands_for = stands_for(seen);

@@ -1,7 +1,7 @@
-//! A template made of a groom, for the command line and the window alike: what becomes its group, which inputs it has, what is said of
-//! it, and the file that it is kept in.
+//! Making a template from a groom, for the command line and the window: which nodes form its group, which inputs it exposes, its
+//! description, and its file in the library.
 //!
-//! Guarantees: the groom is not changed; a file of the library is never taken for another template of its name and version.
+//! Guarantees: the groom does not change. A file of the library that holds anything else is reported before it is overwritten.
 
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Origin, Socket, groups};
@@ -28,7 +28,7 @@ pub(crate) enum MadeOf {
 pub(crate) struct NewTemplate {
     /// Of what.
     pub(crate) of: MadeOf,
-    /// Inputs of nodes in the group, as node.input, that the template has as its own.
+    /// Inputs of nodes in the group that the template exposes, as node.input.
     pub(crate) exposed: Vec<String>,
     /// What people call it; else the group's label.
     pub(crate) title: Option<String>,
@@ -42,7 +42,7 @@ impl NewTemplate {
     /// The group that it is made of, in a groom that has it, before anything else is done.
     ///
     /// # Errors
-    /// Why there is none.
+    /// Why no group can be made of these nodes.
     pub(crate) fn grouped(&self, document: &Document) -> Result<(Document, NodeId), String> {
         let name = &self.origin.name;
         let name = if name.trim().is_empty() { "template" } else { name };
@@ -113,9 +113,16 @@ pub(crate) fn file_name(name: &str, version: &str) -> Result<String, String> {
     Ok(format!("{words}.ron"))
 }
 
-/// What is said where a file holds another template than one of this hash; nothing where it can be written.
+/// Why the template of this hash must not be written to a file: it holds something else. `None` if there is no file, or it holds this
+/// template.
 pub(crate) fn is_another(target: &Path, hash: &str) -> Option<String> {
-    let there = super::read(target).ok()?;
-    (there.hash != hash)
-        .then(|| format!("{} has this name and version and another hash", target.display()))
+    if target.symlink_metadata().is_err() {
+        return None;
+    }
+    let shown = target.display();
+    match super::read(target) {
+        Ok(there) if there.hash == hash => None,
+        Ok(_) => Some(format!("{shown} has this name and version and another hash")),
+        Err(_) => Some(format!("{shown} exists and holds no template that can be read")),
+    }
 }

@@ -9,6 +9,8 @@ use std::ops::RangeInclusive;
 
 /// Height of a panel's title, and what its frame takes.
 const TITLE: f32 = 46.0;
+/// Width of a question, in points.
+const QUESTION: f32 = 280.0;
 /// What frames round a menu take.
 const MENU_FRAME: f32 = 24.0;
 
@@ -76,6 +78,40 @@ pub(crate) fn body<R>(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui) -> R) ->
         add(ui)
     };
     area.show(ui, add).inner
+}
+
+/// A question over the rooms: what it says, a button with its tooltip for each answer, and *Cancel*. None while it is open; then the
+/// number of the answer, or none where it was cancelled or closed.
+pub(crate) fn question(
+    title: impl Into<egui::WidgetText>,
+    name: &str,
+    text: &str,
+    answers: &[(&str, &str)],
+    ctx: &Context,
+) -> Option<Option<usize>> {
+    let (mut open, mut answered) = (true, None);
+    window(title, name, ctx)
+        .open(&mut open)
+        .collapsible(false)
+        .resizable(false)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(room(ctx).center())
+        .show(ctx, |ui| {
+            body(ui, QUESTION, |ui| {
+                ui.label(text);
+                ui.horizontal_wrapped(|ui| {
+                    for (number, (label, tip)) in answers.iter().enumerate() {
+                        if ui.button(*label).on_hover_text(*tip).clicked() {
+                            answered = Some(Some(number));
+                        }
+                    }
+                    if ui.button("Cancel").clicked() {
+                        answered = Some(None);
+                    }
+                });
+            });
+        });
+    if open { answered } else { Some(None) }
 }
 
 /// What a menu lists: scrolls where that is more than the window has room for under the menu bar.

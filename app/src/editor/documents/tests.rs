@@ -860,7 +860,7 @@ fn saving_and_exporting_begin_in_the_grooms_folder() {
     assert_eq!(fake.asked.lock().unwrap().last().unwrap().folder, heads.root());
 }
 
-/// The built-in head as a file of another program, so many units large and far from its origin.
+/// The built-in head as another program would export it: scaled, and far from the origin.
 fn far_head(folder: &Folder) -> PathBuf {
     let bust = coif_nodes::scalp::bust::adult();
     let mut text = String::new();

@@ -1,7 +1,7 @@
 //! *Save as template*: the selected group, the selected nodes or the whole groom become a file of the library.
 //!
-//! Guarantees: the groom stays as it is; a template of that name and version with another content is not written over; the file is
-//! written on a thread, and its picture is drawn after it, so that the room *Templates* lists it at once.
+//! Guarantees: the groom does not change; no file is overwritten unless it holds this very template. The file is written on a thread,
+//! and its picture is drawn afterwards, so *Templates* lists it at once.
 
 use crate::core::event::Event;
 use crate::core::notes::Note;
@@ -123,7 +123,7 @@ impl SaveTemplate {
             return Err(why);
         }
         let target = folder.join(file_name(name, version)?);
-        // Of one name and version the library knows the first alone.
+        // The library uses only the first template of a name and version.
         let taken = shelf.iter().find_map(|row| match row {
             ShelfRow::Found(it)
                 if it.origin.name == *name
@@ -158,7 +158,7 @@ fn word_of(title: &str) -> String {
     spaced.split_whitespace().collect::<Vec<_>>().join("_")
 }
 
-/// The inputs in a group that are set to something and come by no wire: those that a template may have as its own.
+/// Inputs in a group that are set and not wired: a template can expose these.
 fn inputs(document: &Document, group: &NodeId) -> Vec<InputChoice> {
     let mut found = vec![];
     let named =
@@ -166,7 +166,7 @@ fn inputs(document: &Document, group: &NodeId) -> Vec<InputChoice> {
     for (id, node) in document.inside(group) {
         let Some(def) = document.def(id) else { continue };
         let within = &id.as_str()[group.as_str().len() + 1..];
-        // Of two nodes of one name it is told which.
+        // Nodes that share a name are told apart by their path.
         let name = document.name_of(id);
         let name = match named(&name) {
             1 => name.into_owned(),
@@ -192,7 +192,7 @@ fn inputs(document: &Document, group: &NodeId) -> Vec<InputChoice> {
 
 impl Editor {
     pub(super) fn ask_to_save_template(&mut self) {
-        // Which names there are is known by the time that one is typed.
+        // By the time a name is typed, the library's names are known.
         let wake = self.documents.waker();
         self.templates.shelf.look(self.templates.folders.clone(), move || wake());
         self.saving_template = Some(SaveTemplate::new(&self.state));
@@ -233,7 +233,7 @@ impl Editor {
         );
         if save {
             let folder = folders.get(asked.folder).map(|(_, folder)| folder.clone());
-            let made = folder.ok_or_else(|| "there is no folder for templates".to_owned());
+            let made = folder.ok_or_else(|| "no folder for templates is known".to_owned());
             let shelf = self.templates.shelf.rows();
             match made.and_then(|folder| asked.made(&self.state.document, &folder, &shelf)) {
                 Ok((made, target)) => {

@@ -1,8 +1,8 @@
 //! What a picture shows at a place: the skin there, its region and sections, and the hair above it.
 //!
 //! Guarantees: the place is that of the picture that `coif render` draws with the same camera and size, and of the drawn curve, not of its
-//! CVs. The skin is the head's own; hair is the nearest to the eye of all whose drawn width, or [`REACH`] pixels, the place lies on, and
-//! whatever lies behind the skin is not seen. No graphics device is asked.
+//! CVs. The skin is that of the nearest head; the hair is the nearest to the eye whose drawn width, or [`REACH`] pixels around it, covers the
+//! place. Nothing behind the skin is seen. No graphics device is used.
 
 use super::RenderRequest;
 use super::place::ShotView;
@@ -15,18 +15,20 @@ use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::attributes::WIDTH;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
+use coif_nodes::formats::export::HairGroup;
 use coif_nodes::maths::drawn_span::DrawnSpan;
 use coif_shaders::camera::{Camera, Subject};
 use glam::Vec3;
 use serde::Serialize;
+use std::sync::Arc;
 
-/// Hair that is drawn so near to a place is hit, pixels: a strand is thinner than one.
+/// Hair drawn within this distance of a place is hit, pixels: a strand is thinner than a pixel.
 const REACH: f32 = 1.5;
-/// Hair is seen so far (cm) behind the skin at most: where it is rooted, and lies as deep as it may.
+/// Hair up to this far (cm) behind the skin still counts as seen: roots, and hair that is allowed to lie in the skin.
 const BEHIND: f32 = 0.05;
-/// Beyond this nothing of a groom lies, cm.
+/// No part of a groom lies farther from the eye than this, cm.
 const FARTHEST: f32 = 1e5;
-/// In so many pieces a span is looked at.
+/// Number of straight pieces that stand for a span.
 const PIECES: usize = 8;
 
 /// What is seen at a place of the picture.
@@ -92,9 +94,8 @@ pub(crate) fn probe(
     let evaluator = evaluator(asked.threads, 0, &mut report.warnings)?;
     let evaluated = opened.evaluate_on(&evaluator, asked.quality, &more, cancel, tell, report)?;
     let scalp = evaluated.scalps.first().map(|scalp| &**scalp);
-    let only_guides = evaluated.groups.iter().all(|group| group.guides);
-    let shown = evaluated.groups.iter().filter(|group| only_guides || !group.guides);
-    let hair = Curves::new(shown.flat_map(|group| group.curves.tufts().to_vec()).collect());
+    let hair = shown(&evaluated).flat_map(|group| group.curves.tufts().to_vec());
+    let hair = Curves::new(hair.collect());
     let subject = Subject {
         frame: scalp.map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame()),
         surface: scalp.map(Scalp::surface),
@@ -103,7 +104,13 @@ pub(crate) fn probe(
     let camera = view.camera(asked, &subject, evaluated.more.first())?;
     let [width, height] = asked.size.map(|side| side as f32);
     let eye = Eye { camera, aspect: width / height, pixel: 1.0 / height };
-    Ok(places.iter().map(|at| eye.sees(*at, scalp, &evaluated)).collect())
+    Ok(places.iter().map(|at| eye.sees(*at, &evaluated)).collect())
+}
+
+/// What pictures show: hair, or guides where there is nothing else.
+fn shown(evaluated: &Evaluated) -> impl Iterator<Item = &HairGroup> {
+    let only_guides = evaluated.groups.iter().all(|group| group.guides);
+    evaluated.groups.iter().filter(move |group| only_guides || !group.guides)
 }
 
 /// What looks at the groom.
@@ -115,13 +122,13 @@ struct Eye {
 }
 
 impl Eye {
-    fn sees(&self, at: [f32; 2], scalp: Option<&Scalp>, evaluated: &Evaluated) -> Probed {
+    fn sees(&self, at: [f32; 2], evaluated: &Evaluated) -> Probed {
         let ray = self.camera.ray(at, self.aspect);
-        let skin = scalp.and_then(|scalp| self.skin(ray, scalp, evaluated));
+        let skins = evaluated.scalps.iter().filter_map(|scalp| skin(ray, scalp, evaluated));
+        let skin = skins.min_by(|a, b| a.distance.total_cmp(&b.distance));
         let end = skin.as_ref().map_or(FARTHEST, |skin| skin.distance + BEHIND);
         let mut nearest: Option<(f32, SeenHair)> = None;
-        let only_guides = evaluated.groups.iter().all(|group| group.guides);
-        for group in evaluated.groups.iter().filter(|group| only_guides || !group.guides) {
+        for group in shown(evaluated) {
             for (tuft, i) in group.curves.each() {
                 let end = nearest.as_ref().map_or(end, |(distance, _)| *distance);
                 let Some((distance, place, along)) = self.on_hair(ray, tuft, i, end) else {
@@ -132,38 +139,13 @@ impl Eye {
                     group: group.name.clone(),
                     along,
                     cm: place.to_array(),
-                    above: scalp.map(|scalp| scalp.skin().distance(place)),
+                    above: above(place, evaluated),
                     distance,
                 };
                 nearest = Some((distance, seen));
             }
         }
         Probed { at, skin, hair: nearest.map(|(_, hair)| hair) }
-    }
-
-    fn skin(
-        &self,
-        (origin, direction): (Vec3, Vec3),
-        scalp: &Scalp,
-        evaluated: &Evaluated,
-    ) -> Option<SeenSkin> {
-        let hit = scalp.surface().ray(origin, direction, FARTHEST)?;
-        let root = scalp.root(hit.triangle, hit.bary);
-        let name = |parted: &std::sync::Arc<Scalp>| {
-            let id = parted.sections()?.id_of(&root)?;
-            evaluated.sections.get(&id).cloned()
-        };
-        Some(SeenSkin {
-            cm: hit.point.to_array(),
-            head: scalp.given(hit.point).to_array(),
-            normal: root.normal.to_array(),
-            triangle: hit.triangle,
-            bary: hit.bary.to_array(),
-            uv: scalp.uvs().map(|_| root.uv.to_array()),
-            region: scalp.grows(hit.triangle, hit.bary),
-            sections: evaluated.parted.iter().filter_map(name).collect(),
-            distance: hit.distance,
-        })
     }
 
     /// Where a hair is seen nearer than `end` (cm): how far off, the place, and how far along it.
@@ -207,6 +189,41 @@ impl Eye {
         }
         nearest
     }
+}
+
+/// The skin of a head where a ray meets it.
+fn skin(
+    (origin, direction): (Vec3, Vec3),
+    scalp: &Scalp,
+    evaluated: &Evaluated,
+) -> Option<SeenSkin> {
+    let hit = scalp.surface().ray(origin, direction, FARTHEST)?;
+    let root = scalp.root(hit.triangle, hit.bary);
+    let name = |parted: &Arc<Scalp>| {
+        let id = parted.sections()?.id_of(&root)?;
+        evaluated.sections.get(&id).cloned()
+    };
+    let of_head = evaluated.parted.iter().filter(|parted| parted.whole() == scalp.whole());
+    Some(SeenSkin {
+        cm: hit.point.to_array(),
+        head: scalp.given(hit.point).to_array(),
+        normal: root.normal.to_array(),
+        triangle: hit.triangle,
+        bary: hit.bary.to_array(),
+        uv: scalp.uvs().map(|_| root.uv.to_array()),
+        region: scalp.grows(hit.triangle, hit.bary),
+        sections: of_head.filter_map(name).collect(),
+        distance: hit.distance,
+    })
+}
+
+/// How far a place is above the nearest skin of any head, cm; negative inside.
+fn above(place: Vec3, evaluated: &Evaluated) -> Option<f32> {
+    let height = |scalp: &Arc<Scalp>| {
+        let hit = scalp.surface().closest(place)?;
+        Some(scalp.skin().height_over(place, &hit))
+    };
+    evaluated.scalps.iter().filter_map(height).min_by(f32::total_cmp)
 }
 
 /// Where the way from `a` to `b` is nearest to the origin, 0 to 1, and how near.

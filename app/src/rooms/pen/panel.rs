@@ -235,33 +235,16 @@ impl Pen {
     ) {
         let Some(recipe) = self.asked.and_then(|at| recipes::ALL.get(at)) else { return };
         let at = self.asked.unwrap_or_default();
-        let (mut open, mut cancel, mut instead) = (true, false, None);
-        panel::window(recipe.label, "recipe over hair", ctx)
-            .open(&mut open)
-            .collapsible(false)
-            .resizable(false)
-            .pivot(egui::Align2::CENTER_CENTER)
-            .default_pos(panel::room(ctx).center())
-            .show(ctx, |ui| {
-                panel::body(ui, 260.0, |ui| {
-                    ui.label("There is hair on the head already.");
-                    ui.horizontal_wrapped(|ui| {
-                        let tip = "Remove the hair that is there. The head and its masks stay.";
-                        if ui.button("Instead").on_hover_text(tip).clicked() {
-                            instead = Some(true);
-                        }
-                        let tip = "Keep the hair that is there.";
-                        if ui.button("As well").on_hover_text(tip).clicked() {
-                            instead = Some(false);
-                        }
-                        cancel = ui.button("Cancel").clicked();
-                    });
-                });
-            });
-        if let Some(instead) = instead {
-            super::actions::cook(state, at, instead, out);
+        let text = "There is hair on the head already.";
+        let answers = [
+            ("Instead", "Remove the hair that is there. The head and its masks stay."),
+            ("As well", "Keep the hair that is there."),
+        ];
+        let answered = panel::question(recipe.label, "recipe over hair", text, &answers, ctx);
+        if let Some(Some(answer)) = answered {
+            super::actions::cook(state, at, answer == 0, out);
         }
-        if instead.is_some() || cancel || !open {
+        if answered.is_some() {
             self.asked = None;
         }
     }
