@@ -126,3 +126,30 @@ pub(crate) fn is_another(target: &Path, hash: &str) -> Option<String> {
         Err(_) => Some(format!("{shown} exists and holds no template that can be read")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_file_that_holds_this_very_template_may_be_overwritten() {
+        let folder = std::env::temp_dir().join(format!("coif-is-another-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = folder.join("row-1.0.ron");
+        assert_eq!(is_another(&file, "any"), None, "there is no file");
+        let (name, text) = coif_graphs::grooms::TEMPLATES[0];
+        std::fs::write(&file, text).unwrap();
+        let hash = crate::library::read(&file).expect(name).hash;
+        assert_eq!(is_another(&file, &hash), None);
+        let why = |file: &Path, hash: &str| is_another(file, hash).expect("is refused");
+        assert!(why(&file, "another").contains("another hash"));
+        let junk: [&[u8]; 4] =
+            [b"", &text.as_bytes()[..text.len() / 2], b"(nodes: {", &[0xff; 4096]];
+        for bytes in junk {
+            std::fs::write(&file, bytes).unwrap();
+            assert!(why(&file, &hash).contains("holds no template"), "{} bytes", bytes.len());
+        }
+        assert!(why(&folder, &hash).contains("holds no template"), "a folder");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -512,9 +512,9 @@ fn per(direction: Vec3) -> [f32; 3] {
     direction.to_array().map(|x| (1.0 / x).clamp(-1e30, 1e30))
 }
 
-/// Slightly beyond `t` along a ray: boxes and triangles round differently.
+/// Slightly beyond `t` along a ray: boxes and triangles round differently. Never infinite, as boxes are that a ray misses.
 fn past(t: f32) -> f32 {
-    t + 1e-5 * t
+    lesser(t + 1e-5 * t, f32::MAX)
 }
 
 /// The empty box, as its lowest and highest corner.
@@ -616,6 +616,23 @@ mod tests {
 
     fn of(corners: &[[Vec3; 3]]) -> TriangleTree {
         TriangleTree::new((0u32..).zip(corners.iter().copied()))
+    }
+
+    #[test]
+    fn a_ray_of_any_reach_tests_no_triangle_whose_box_it_misses() {
+        let dice = Dice::new(7, 0, "beside a ray");
+        let corner = |i: u64, k: u64| Vec3::from([0, 1, 2].map(|a| dice.signed(i, 3 * k + a)));
+        let all: Vec<[Vec3; 3]> = (0..500).map(|i| [0, 1, 2].map(|k| corner(i, k))).collect();
+        let tree = of(&all);
+        for reach in [1.0, 1e30, f32::MAX, f32::INFINITY] {
+            let tested = std::cell::Cell::new(0);
+            let meets = |_| {
+                tested.set(tested.get() + 1);
+                None
+            };
+            tree.first(Vec3::new(3.0, 3.0, 3.0), Vec3::new(0.0, 0.6, 0.8), reach, meets);
+            assert_eq!(tested.get(), 0, "{reach}");
+        }
     }
 
     #[test]

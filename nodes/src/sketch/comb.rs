@@ -36,7 +36,10 @@ const LOOKS: usize = 12;
 const MET: f32 = 1e-3;
 
 pub(super) fn comb(hand: &GestureContext, sketch: &mut SketchState) {
-    let size = hand.gesture.size.max(CLOSEST);
+    let size = match hand.gesture.size {
+        0.0 => hand.set.rho,
+        size => size.max(CLOSEST),
+    };
     let line = steps(&hand.line(), STEP * size);
     let taken = hand.takes(
         sketch,
@@ -185,12 +188,7 @@ fn at_height(
 }
 
 /// Turns combed segments toward the depth of the curves around them.
-pub(super) fn turn_with(
-    hand: &GestureContext,
-    lock: &mut Lock,
-    around: &[Arc<Lock>],
-    weights: &[f32],
-) {
+fn turn_with(hand: &GestureContext, lock: &mut Lock, around: &[Arc<Lock>], weights: &[f32]) {
     let ahead = hand.seen.ahead();
     for (k, weight) in weights.iter().enumerate().skip(lock.held() + 1) {
         let (from, share) = (lock.points[k - 1], weight.min(1.0) * hand.set.follow);

@@ -10,7 +10,7 @@
 use super::hand::{GestureContext, Settings, SketchState};
 use super::lock::Lock;
 use super::seen::Seen;
-use super::{brush, comb, cut, density, frizz, grow, pin, point, push, redraw, scatter, twist};
+use super::{brush, comb, cut, density, frizz, grow, pin, point, redraw, scatter, twist};
 use crate::data::curves::Curves;
 use crate::data::gestures::{Gesture, Gestures, Replayed, Tool};
 use crate::data::scalp::Scalp;
@@ -115,8 +115,7 @@ fn after(hand: &GestureContext, before: &SketchState) -> SketchState {
         Tool::Density => density::density(hand, &mut sketch),
         Tool::Twist => twist::twist(hand, &mut sketch),
         Tool::Frizz => frizz::frizz(hand, &mut sketch),
-        Tool::Comb if hand.gesture.size > 0.0 => comb::comb(hand, &mut sketch),
-        Tool::Comb => push::push(hand, &mut sketch),
+        Tool::Comb => comb::comb(hand, &mut sketch),
         Tool::Pin => pin::pin(hand, &mut sketch),
         Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten => {
             brush::brush(hand, &mut sketch);

@@ -2,7 +2,7 @@
 
 use super::hair_sketch::{self, resolved};
 use super::{density, frizz, twist};
-use crate::data::attributes::{DENSITY, FRIZZ, PINNED, ROLL};
+use crate::data::attributes::{DENSITY, FRIZZ, PINNED, RADIUS, ROLL};
 use crate::data::curves::Curves;
 use crate::data::gestures::tests::gesture;
 use crate::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool};
@@ -213,20 +213,26 @@ fn curves_that_run_more_than_thirty_degrees_elsewhere_tell_no_depth() {
 }
 
 #[test]
-fn a_comb_that_stores_no_size_pushes_cvs_within_thirty_pixels_as_in_the_paper() {
+fn a_comb_that_stores_no_size_reaches_thirty_pixels_and_no_farther() {
     let (before, _) = sketch(None, &[one_lock()]);
     let was = only(&before);
     let seen = super::seen::Seen::new(&one_lock().view, shared_ball().frame());
-    let at = seen.pixel(was[3]).unwrap();
+    let drawn_line: Vec<Vec2> = was.iter().map(|p| seen.pixel(*p).unwrap()).collect();
+    let tuft = &before.tufts()[0];
+    let wide = tuft.view(RADIUS).at(0, 3) / seen.cm_per_pixel(seen.depth(was[3]));
+    // Beside the middle of a piece, as far off as is asked, and away from it.
     let comb = |off: f32| {
-        let way = line([at.x + off, at.y], [at.x + off + 200.0, at.y]);
-        let comb = Gesture { size: 0.0, ..drawn(Tool::Comb, Layer::Through, &way) };
-        sketch(None, &[one_lock(), comb])
+        let (a, b) = (drawn_line[3], drawn_line[4]);
+        let aside = (b - a).perp().normalize();
+        let from = a.lerp(b, 0.5) + aside * off;
+        let comb =
+            drawn(Tool::Comb, Layer::Through, &line(from.into(), (from + aside * 200.0).into()));
+        sketch(None, &[one_lock(), Gesture { size: 0.0, ..comb }])
     };
-    let (after, said) = comb(29.0);
-    assert!(said.is_empty() && only(&after)[3].x > was[3].x, "{said:?}");
-    let (same, said) = comb(31.0);
-    assert!(only(&same) == was && said[0].contains("leaves its curve as it is"), "{said:?}");
+    let (after, said) = comb(wide + 20.0);
+    assert!(said.is_empty() && only(&after).len() > was.len(), "{said:?}");
+    let (same, said) = comb(wide + 32.0);
+    assert!(only(&same) == was && said[0].contains("passes no curve"), "{said:?}");
 }
 
 #[test]

@@ -26,7 +26,6 @@ mod lock;
 mod picture_laws;
 mod pin;
 mod point;
-mod push;
 #[cfg(test)]
 mod random_laws;
 mod redraw;

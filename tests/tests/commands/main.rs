@@ -5,6 +5,7 @@ mod command_line;
 mod compare;
 mod farm;
 mod messages;
+mod probe;
 mod refused;
 mod render;
 mod templates;
