@@ -154,7 +154,8 @@ tests() {
     local code=$?
     took "$before"
     if [ $code -ne 0 ]; then
-        grep -E '^(error|test .* FAILED|thread .* panicked|---- .* stdout ----)' -A 12 "$log" | tail -n 200
+        # What did not compile, and what failed with what it printed: not what the others printed.
+        awk '/^error/ { n = 12 } /^failures:$/ { p = 1 } /^test result:/ { p = 0 } p || n-- > 0' "$log" | cut -c 1-500 | tail -n 200
         broken=1
     fi
 }
@@ -185,6 +186,7 @@ failed=$((failed + $(sum failed)))
 # What ended without a word of its tests (it was not built, or killed) is a failure too.
 [ "$failed" -eq 0 ] && failed=$broken
 skipped=$(grep -E '^skipped: ' "$log" | awk '{ print $2 }' | sort -u | wc -l)
+sed -nE 's/^test (.*) \.\.\. FAILED.*/FAILED: \1/p' "$log"
 say "the slowest tests"
 sed -nE 's/^test (.*) \.\.\. [a-zA-Z]+ <([0-9.]+)s>$/\2 s \1/p' "$log" | sort -rn | head -n 5
 spend
