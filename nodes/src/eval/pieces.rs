@@ -81,6 +81,9 @@ impl<'a> Piece<'a> {
     }
 }
 
+/// Makes the tufts of a piece, one for each output.
+type Make<'m> = dyn Fn(usize, &mut Piece) -> Result<Vec<Tuft>, NodeError> + Sync + 'm;
+
 struct Made {
     tufts: Vec<Vec<Arc<Tuft>>>,
     said: Vec<Message>,
@@ -165,6 +168,19 @@ impl EvalCx<'_> {
         key: impl Fn(usize) -> KeyBuilder + Sync,
         make: impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync,
     ) -> Result<[Curves; N], NodeError> {
+        let make = |i: usize, piece: &mut Piece| make(i, piece).map(Vec::from);
+        let mut outputs = self.all_pieces(n, N, &key, &make)?.into_iter();
+        Ok([(); N].map(|()| outputs.next().unwrap_or_default()))
+    }
+
+    // (Below, what makes a piece is called through a pointer: one copy of this code serves all nodes.)
+    fn all_pieces(
+        &self,
+        n: usize,
+        outputs: usize,
+        key: &(dyn Fn(usize) -> KeyBuilder + Sync),
+        make: &Make,
+    ) -> Result<Vec<Curves>, NodeError> {
         let made: Vec<OnceLock<Result<Arc<Made>, NodeError>>> =
             (0..n).map(|_| OnceLock::new()).collect();
         let node = self.traced().map_or(self.node, |(node, _)| node);
@@ -174,7 +190,7 @@ impl EvalCx<'_> {
             (AtomicU32::new(0), AtomicU64::new(0), AtomicBool::new(false));
         self.host.for_each(n, &|i| {
             if points.load(Ordering::Relaxed) <= most && !is_full.load(Ordering::Relaxed) {
-                let piece = self.piece(key(i).key(node).finish(), i, &make);
+                let piece = self.piece(key(i).key(node).finish(), i, make);
                 let tufts = piece.iter().flat_map(|made| made.tufts.iter().flatten());
                 let more = tufts.map(|t| t.points().len() as u64).sum();
                 let before = points.fetch_add(more, Ordering::Relaxed);
@@ -196,7 +212,7 @@ impl EvalCx<'_> {
                 "there is no memory left for what it makes: ask for less hair, or for fewer points on each",
             ));
         }
-        let mut outputs = [const { Vec::new() }; N];
+        let mut outputs = vec![vec![]; outputs];
         for made in made {
             let made = made.into_inner().unwrap_or(Err(NodeError::Cancelled))?;
             for (output, tufts) in outputs.iter_mut().zip(&made.tufts) {
@@ -204,15 +220,10 @@ impl EvalCx<'_> {
             }
             made.said.iter().for_each(|message| self.log.say(message.clone()));
         }
-        Ok(outputs.map(Curves::new))
+        Ok(outputs.into_iter().map(Curves::new).collect())
     }
 
-    fn piece<const N: usize>(
-        &self,
-        key: Key,
-        i: usize,
-        make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
-    ) -> Result<Arc<Made>, NodeError> {
+    fn piece(&self, key: Key, i: usize, make: &Make) -> Result<Arc<Made>, NodeError> {
         self.check()?;
         let Some((_, sections)) = self.traced() else {
             if let Some(made) = self.host.find(key).and_then(|kept| kept.downcast().ok()) {
@@ -239,12 +250,7 @@ impl EvalCx<'_> {
         Ok(made)
     }
 
-    fn made<const N: usize>(
-        &self,
-        i: usize,
-        scalp: Option<&Scalp>,
-        make: &(impl Fn(usize, &mut Piece) -> Result<[Tuft; N], NodeError> + Sync),
-    ) -> Result<Made, NodeError> {
+    fn made(&self, i: usize, scalp: Option<&Scalp>, make: &Make) -> Result<Made, NodeError> {
         self.log.tufts_run.fetch_add(1, Ordering::Relaxed);
         let mut piece = Piece { host: self.host, scalp, since: 0, said: BTreeMap::new() };
         let tufts: Vec<Vec<Arc<Tuft>>> =
