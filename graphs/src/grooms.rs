@@ -42,6 +42,7 @@ pub const TEMPLATES: &[(&str, &str)] = &[
     ("bob", include_str!("../templates/bob.ron")),
     ("afro", include_str!("../templates/afro.ron")),
     ("sketch_hair", include_str!("../templates/sketch_hair.ron")),
+    ("flow_hair", include_str!("../templates/flow_hair.ron")),
     ("draw_cornrows", include_str!("../templates/draw_cornrows.ron")),
     ("flat_twists", include_str!("../templates/flat_twists.ron")),
     ("draw_box_braids", include_str!("../templates/draw_box_braids.ron")),

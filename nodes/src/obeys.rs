@@ -53,6 +53,7 @@ const FROM: &[(&str, &str, &str)] = &[
     ("roots", "braid_territory", "curves"),
     ("source", "partings", "rows"),
     ("strands", "lissajous_braid", "curves"),
+    ("strokes", "scatter_guides", "curves"),
 ];
 /// What is said to nodes whatever the head: mostly so much that each run is short.
 fn said() -> Vec<(&'static str, &'static str, Value)> {

@@ -6,18 +6,17 @@
 //! others. Not promised: that guides stay clear of each other.
 
 use super::even_roots::{Apart, EvenRoot, EvenRoots};
+use super::grower::{CLEARANCE, Grower};
 use crate::data::attributes::{
     DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
-use crate::data::route::makers::{lift, lift_each};
-use crate::data::scalp::{HEAD_RADIUS, Root, Scalp, Skin};
+use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
 use crate::maths::frame::{across, any_normal, smallest_rotation};
 use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::smoothstep;
-use crate::maths::spline::Spline;
 use crate::maths::transcendental::{exp, sin_cos};
 use glam::Vec3;
 use std::sync::Arc;
@@ -115,10 +114,6 @@ choice! {
 
 /// Candidates tried per requested guide before giving up.
 const TRIES: f64 = 200.0;
-/// Height of guides above the skin, cm.
-const CLEARANCE: f32 = 0.02;
-/// Growth steps between two points of a guide.
-const SUBSTEPS: usize = 3;
 /// Distance from the crown at which the whorl has faded to a third, head units.
 const WHORL_REACH: f32 = 3.0;
 
@@ -129,9 +124,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let length = inputs.length.on(&bound, Some(scalp))?;
     let lie = inputs.lie.on(&bound, Some(scalp))?;
     let radius = inputs.radius.on(&bound, Some(scalp))?;
-    let skin = cx.skin(scalp);
     let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
-    let grower = Grower { scalp, skin, inputs: &inputs, unit: cx.unit() };
+    let grower = Grower { scalp, skin: cx.skin(scalp), points: inputs.points as usize };
+    let laid = Laid { grower, inputs: &inputs, unit: cx.unit() };
     let key = |i: usize| {
         let (name, root) = &roots[i];
         KeyBuilder::new("guide").int(*name).vec3(root.point).vec3(root.normal).finish()
@@ -143,7 +138,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let shorter = 1.0 - inputs.length_variation * vary.unit(id, 0);
         let random = [0, 1].map(|n| stray.signed(id, n) * inputs.randomness.to_radians());
         let length = length.at(i, i, 0.0) * shorter;
-        let points = grower.grow(root, length, lie.at(i, i, 0.0).to_radians(), random);
+        let points = laid.guide(root, length, lie.at(i, i, 0.0).to_radians(), random);
         let mut b = TuftBuilder::new();
         b.push_curve(&points);
         b.set(ID, Domain::Curve, vec![id]);
@@ -232,98 +227,54 @@ fn bound(roots: &[(u64, Root)], seed: i64) -> Tuft {
     b.build()
 }
 
-struct Grower<'a> {
-    scalp: &'a Scalp,
-    skin: Skin<'a>,
+/// Lays guides by the node's settings.
+struct Laid<'a> {
+    grower: Grower<'a>,
     inputs: &'a Inputs,
     /// Centimetres per head unit.
     unit: f32,
 }
 
-impl Grower<'_> {
-    /// Grows a guide step by step: along the flow at the angle of `lie` to the skin below, decreasing as it bends,
-    /// pulled down as it gets free.
-    fn grow(&self, root: &Root, length: f32, lie: f32, [turn, tilt]: [f32; 2]) -> Vec<Vec3> {
-        let count = self.inputs.points as usize;
-        let steps = (count - 1) * SUBSTEPS;
+impl Laid<'_> {
+    /// A guide along the flow at the angle of `lie` to the skin below, decreasing as it bends, pulled down as it gets free.
+    fn guide(&self, root: &Root, length: f32, lie: f32, [turn, tilt]: [f32; 2]) -> Vec<Vec3> {
+        let steps = self.grower.steps();
         let step = length / steps as f32;
         let bend = self.inputs.bend.to_radians() / steps as f32;
-        let down = -self.scalp.frame().up;
+        let down = -self.grower.scalp.frame().up;
         let flow = turned(self.flow(root.point, root.normal), root.normal, turn);
         let (sin, cos) = sin_cos((lie + tilt * cos_of(lie)).clamp(0.0, std::f32::consts::PI));
-        let mut direction = flow * cos + root.normal * sin;
-        let (mut p, mut normal) = (root.point, root.normal);
-        let mut grown = vec![p];
-        let mut below = root.triangle;
-        let home = self.scalp.home_of(root);
-        for _ in 0..steps {
-            let next = p + direction * step;
-            let (lifted, moved) = lift(&self.skin, next, CLEARANCE);
-            // A step that was put back on the skin keeps its length along it.
-            let mut to = lifted;
-            if moved && let Some(along) = (lifted - p).try_normalize() {
-                to = lift(&self.skin, p + along * step, CLEARANCE).0;
-            }
-            // A guide on the skin runs along a parting, not across it.
-            if let Some(home) = home {
-                to = home.keep(to, &mut below, |kept| lift(&self.skin, kept, CLEARANCE).0);
-            }
-            // At a corner with no way out, it ends.
-            if grown.len() > 1 && home.is_some_and(|home| home.passes(&[p, to])) {
-                break;
-            }
-            direction = (to - p).try_normalize().unwrap_or(direction);
-            p = to;
-            grown.push(p);
-            // The skin below is near that of the previous step: far from the skin, this saves most of the search.
-            let surface = self.scalp.surface();
-            let Some(hit) = surface.closest_from(p, below) else { continue };
-            below = hit.triangle;
-            let skin_normal = surface.smooth_normal(hit.triangle, hit.bary);
-            // Near the skin, hair turns with it and with the flow; a few cm away it is free.
-            let near = exp(-hit.distance / (2.0 * self.unit));
-            let carried = smallest_rotation(normal, skin_normal) * direction;
-            direction = direction.lerp(carried, near).normalize_or(direction);
-            normal = skin_normal;
-            let flow = turned(self.flow(p, skin_normal), skin_normal, turn);
-            if let Some(flat) = across(direction, skin_normal) {
-                let high = direction.dot(skin_normal);
-                let flat = flat.lerp(flow, 0.3 * near).normalize_or(flat);
-                direction = (flat * (1.0 - high * high).max(0.0).sqrt() + skin_normal * high)
-                    .normalize_or(direction);
-            }
-            if let Some(axis) = direction.cross(-skin_normal).try_normalize() {
-                direction = turned(direction, axis, bend);
-            }
-            let pull = self.inputs.droop * 0.25 * step / self.unit;
-            direction = (direction + down * pull).normalize_or(direction);
-        }
-        let mut out = self.even(&grown, count);
-        // Around a corner of its section the curve may swing wider than the steps did: it ends before.
-        while grown.len() > SUBSTEPS && home.is_some_and(|home| home.passes(&out)) {
-            grown.truncate(grown.len() * 3 / 4);
-            out = self.even(&grown, count);
-        }
-        out
-    }
-
-    /// The steps of a guide as `count` evenly spaced points, out of the skin.
-    fn even(&self, grown: &[Vec3], count: usize) -> Vec<Vec3> {
-        let mut out = Vec::with_capacity(count);
-        match Spline::new(grown) {
-            Ok(spline) => spline.resample(count, |p| out.push(p)),
-            Err(_) => out = grown.to_vec(),
-        }
-        // The spline may cut a corner of the skin that the steps avoided.
-        out[0] = grown[0];
-        let whole = 1..out.len();
-        lift_each(&self.skin, &mut out, whole, |_| 0.5 * CLEARANCE);
-        out
+        let direction = flow * cos + root.normal * sin;
+        self.grower.grow(
+            root,
+            length,
+            direction,
+            |_| CLEARANCE,
+            |at| {
+                let normal = at.normal;
+                // Near the skin, hair turns with it and with the flow; a few cm away it is free.
+                let near = exp(-at.distance / (2.0 * self.unit));
+                let carried = smallest_rotation(at.normal_before, normal) * at.direction;
+                let mut direction = at.direction.lerp(carried, near).normalize_or(at.direction);
+                let flow = turned(self.flow(at.point, normal), normal, turn);
+                if let Some(flat) = across(direction, normal) {
+                    let high = direction.dot(normal);
+                    let flat = flat.lerp(flow, 0.3 * near).normalize_or(flat);
+                    direction = (flat * (1.0 - high * high).max(0.0).sqrt() + normal * high)
+                        .normalize_or(direction);
+                }
+                if let Some(axis) = direction.cross(-normal).try_normalize() {
+                    direction = turned(direction, axis, bend);
+                }
+                let pull = self.inputs.droop * 0.25 * step / self.unit;
+                (direction + down * pull).normalize_or(direction)
+            },
+        )
     }
 
     /// The flow on the scalp at `p`. Unit, perpendicular to `normal`.
     fn flow(&self, p: Vec3, normal: Vec3) -> Vec3 {
-        let frame = self.scalp.frame();
+        let frame = self.grower.scalp.frame();
         let wanted = match self.inputs.flow {
             Flow::Down => -frame.up,
             Flow::Back => {
@@ -334,7 +285,7 @@ impl Grower<'_> {
             }
             Flow::Direction => frame.vector_from_head(self.inputs.direction),
             Flow::Crown => {
-                let crown = self.scalp.place(self.inputs.crown);
+                let crown = self.grower.scalp.place(self.inputs.crown);
                 let away = across(p - crown, normal).unwrap_or_else(|| any_normal(normal));
                 let reach = WHORL_REACH * self.unit;
                 let fade = exp(-(p - crown).length() / reach);

@@ -4,16 +4,20 @@
 //! line wherever the territories of two rows meet. The line is traced on the scalp's map through cells whose corners
 //! are nearest to different rows; three territories meet in a point shared by their three lines.
 //!
+//! Lines may be asked for only where two rows leave each other, as drawn hair does at a parting: pieces of several pairs of rows then join
+//! to one smooth line, which may end in the middle of hair.
+//!
 //! Guarantees: points of a line are equally far from its two rows to the resolution of the map, half a millimetre on
-//! smooth skin; rows of one section share only that section. Ids derive from the two rows. Not promised: lines beside
+//! smooth skin (but for joined lines, which are smoothed); rows of one section share only that section. Ids derive from the two rows. Not promised: lines beside
 //! rows that come closer to each other than two cells of the map (2 mm).
 
 use super::pattern::Flat;
-use crate::data::chart::{CELLS, middle};
+use crate::data::chart::{self, CELLS, middle};
 use crate::data::scalp::Scalp;
 use crate::define::NodeError;
 use crate::eval::EvalCx;
 use crate::maths::hash::curve_id;
+use crate::maths::transcendental::sin_cos;
 use crate::scalp::territory::{MOST_OVER, Row, farthest};
 use glam::Vec2;
 use std::collections::BTreeMap;
@@ -24,12 +28,16 @@ const EVERY: usize = 2;
 const SIDE: usize = CELLS / EVERY;
 /// Marks a corner where no hair grows.
 const NONE: u32 = u32::MAX;
-/// Smoothing rounds for a line, whose points jitter by a tenth of a cell.
+/// Smoothing rounds for a line, whose points jitter by a tenth of a cell, and for one that goes on between other rows, which turns there.
 const EASED: usize = 6;
+const EASED_JOINED: usize = 80;
+/// Part of a row whose direction counts as that beside a line.
+const BESIDE: f32 = 0.05;
 /// With more rows than this, territories would be narrower than the map resolves.
 const MOST_ROWS: usize = 4096;
 /// Lines shorter than this, in corners of the net, are dropped.
 const LEAST: usize = 4;
+const LEAST_JOINED: usize = 8;
 
 /// Where a line crosses the net: an edge between two corners, or the centre of a square in which three territories meet
 /// ([`MET`]).
@@ -40,12 +48,14 @@ const MET_AT_HAIRLINE: u8 = 3;
 /// Two rows by index, the lower first.
 type Pair = (u32, u32);
 
-/// Lines halfway between the rows, where hair grows and `part` is true.
+/// Lines halfway between the rows, where hair grows and `part` is true; with `leave`, only where two rows leave each other by more than
+/// this angle (degrees).
 pub(crate) fn between(
     cx: &EvalCx,
     scalp: &Scalp,
     part: &[bool],
     rows: Vec<Row>,
+    leave: f32,
     seed: u64,
 ) -> Result<Vec<Flat>, NodeError> {
     if rows.len() > MOST_ROWS {
@@ -63,12 +73,18 @@ pub(crate) fn between(
             ground.square(y * SIDE + x, &mut meetings);
         }
     }
-    let mut out = vec![];
-    for ((a, b), meeting) in meetings {
+    let name = |(a, b): Pair| {
         let (a, b) = (rows[a as usize].id, rows[b as usize].id);
-        let pair = curve_id(a.min(b), seed, a.max(b));
-        for (n, Line { mut points, closed, tied }) in (0..).zip(meeting.lines()) {
-            ease(&mut points, closed);
+        curve_id(a.min(b), seed, a.max(b))
+    };
+    if leave > 0.0 {
+        return Ok(ground.parted(meetings, sin_cos(leave.to_radians()).1, name));
+    }
+    let mut out = vec![];
+    for (pair, meeting) in meetings {
+        let pair = name(pair);
+        for (n, Line { mut points, closed, tied, .. }) in (0..).zip(meeting.lines()) {
+            ease(&mut points, closed, EASED);
             if closed {
                 points.push(points[0]);
             }
@@ -162,6 +178,61 @@ impl<'a> Ground<'a> {
         Some(((a.min(b), a.max(b)), p))
     }
 
+    /// The lines at which rows leave each other by more than the angle of this cosine, joined where one pair of rows follows another.
+    fn parted(
+        &self,
+        meetings: BTreeMap<Pair, Meeting>,
+        alike: f32,
+        name: impl Fn(Pair) -> u64,
+    ) -> Vec<Flat> {
+        let (mut all, mut names) = (Meeting::default(), BTreeMap::new());
+        for (pair, Meeting { pieces, places }) in meetings {
+            for [from, to] in pieces {
+                if self.leave(pair, places[&from].lerp(places[&to], 0.5), alike) {
+                    all.piece((from, places[&from]), (to, places[&to]));
+                    names.entry(from).or_insert_with(|| name(pair));
+                    names.entry(to).or_insert_with(|| name(pair));
+                }
+            }
+        }
+        let mut ends: BTreeMap<Crossing, usize> = BTreeMap::new();
+        all.pieces.iter().flatten().for_each(|at| *ends.entry(*at).or_default() += 1);
+        let flat = |Line { mut points, at, closed, .. }: Line| {
+            // Where others meet that are lines no more, it is loose.
+            let tied = [at[0], at[at.len() - 1]].map(|at| !closed && ends[&at] > 1);
+            ease(&mut points, closed, EASED_JOINED);
+            if closed {
+                points.push(points[0]);
+            }
+            let id = at.iter().map(|at| names[at]).min().unwrap_or_default();
+            Flat { id, points, closed, tied, row: true, by_hand: true }
+        };
+        let lines = all.lines().into_iter().map(flat);
+        let mut lines: Vec<Flat> = lines.filter(|line| line.points.len() >= LEAST_JOINED).collect();
+        // A pair of rows may leave each other twice.
+        let mut known = BTreeMap::new();
+        for line in &mut lines {
+            let times = known.entry(line.id).or_insert(0);
+            line.id = curve_id(line.id, 0, *times);
+            *times += 1;
+        }
+        lines
+    }
+
+    /// Whether two rows leave each other beside a place of the map.
+    fn leave(&self, (a, b): Pair, at: Vec2, alike: f32) -> bool {
+        let Some(cell) = chart::cell_of(at) else { return false };
+        let p = self.scalp.chart().spots()[cell].point;
+        let beside = |row: u32| {
+            let row = &self.rows[row as usize];
+            let (place, _, u) = row.nearest(p);
+            let ends = [u - BESIDE, u + BESIDE].map(|u| row.spline.at(u.clamp(0.0, 1.0)));
+            (place, (ends[1] - ends[0]).normalize_or_zero())
+        };
+        let ((at_a, way_a), (at_b, way_b)) = (beside(a), beside(b));
+        way_a.dot(way_b) < alike && (at_b - at_a).dot(way_b - way_a) > 0.0
+    }
+
     /// The segments of lines in the square with this first corner.
     fn square(&self, corner: usize, meetings: &mut BTreeMap<Pair, Meeting>) {
         let corners = [corner, corner + 1, corner + SIDE + 1, corner + SIDE];
@@ -206,6 +277,8 @@ fn cell_of(corner: usize) -> usize {
 /// A line between two rows.
 struct Line {
     points: Vec<Vec2>,
+    /// Where each crosses the net.
+    at: Vec<Crossing>,
     closed: bool,
     /// Whether other lines end at its first and its last point.
     tied: [bool; 2],
@@ -258,7 +331,7 @@ impl Meeting {
                 let tied = [is_tied(line[0]), is_tied(line[line.len() - 1])];
                 if line.len() >= LEAST || tied.contains(&true) {
                     let points = line.iter().map(|at| self.places[at]).collect();
-                    out.push(Line { points, closed, tied });
+                    out.push(Line { points, at: line, closed, tied });
                 }
             }
         }
@@ -267,9 +340,9 @@ impl Meeting {
 }
 
 /// Moves points toward the midpoint of their neighbours, except for the ends.
-fn ease(points: &mut [Vec2], closed: bool) {
+fn ease(points: &mut [Vec2], closed: bool, rounds: usize) {
     let n = points.len();
-    for _ in 0..EASED {
+    for _ in 0..rounds {
         let was = points.to_vec();
         for k in 0..n {
             if closed || (k > 0 && k + 1 < n) {

@@ -42,6 +42,9 @@ node! {
         /// Rows that are already drawn. The hair is parted halfway between neighbouring rows, so that each row gets its
         /// own section. The rows output then returns these rows.
         between: Option<Curves>, words("braids first rows neighbours half-way territory");
+        /// Part only where neighbouring rows leave each other by more than this angle, as drawn hair does at a parting. 0 parts between
+        /// all rows.
+        leave: f32 = 0.0, hard(0.0, 180.0), soft(0.0, 120.0), unit(Angle), words("diverge flow strokes hair natural");
         /// Pattern of rows, added to the drawn lines.
         pattern: Pattern = Pattern::None, words("rows generator cornrow layout style");
         /// Number of rows (both sides together), or of rings.
@@ -207,7 +210,8 @@ fn on_the_map(
     cx.check()?;
     let flat = |p: &Parting| p.points.iter().map(|p| chart.flat(*p)).collect();
     let old: Vec<Vec<Vec2>> = partings.iter().map(flat).collect();
-    bring_together(cx, scalp.space(), chart, &mut lines, &old, inputs.join);
+    let told = inputs.lines.is_some();
+    bring_together(cx, scalp.space(), chart, &mut lines, &old, (inputs.join, told));
     cx.check()?;
     for line in &lines {
         let points = laid(scalp, chart, &line.points);
@@ -346,7 +350,7 @@ fn lines(cx: &EvalCx, inputs: &Inputs, part: &[bool]) -> Result<PatternLines, No
         }
     }
     if beside.len() > 1 {
-        drawn.lines.extend(between(cx, scalp, part, beside, inputs.seed as u64)?);
+        drawn.lines.extend(between(cx, scalp, part, beside, inputs.leave, inputs.seed as u64)?);
     }
     let how = Uneven {
         amplitude: inputs.zigzag,
@@ -370,14 +374,14 @@ fn gathered_to(inputs: &Inputs, scalp: &Scalp) -> Vec3 {
 const FARTHEST: f32 = 4.0;
 
 /// Ends lines where they meet: rows first, then the lines that cut rows. Rows twice, since the line that one was ended
-/// at may have been shortened since.
+/// at may have been shortened since. Loose ends of drawn lines are `told`.
 fn bring_together(
     cx: &EvalCx,
     space: &HeadSpace,
     chart: &Chart,
     lines: &mut [Flat],
     old: &[Vec<Vec2>],
-    join: f32,
+    (join, told): (f32, bool),
 ) {
     let (mut loose_ends, mut first_end) = (0, None);
     for (rows, last) in [(true, false), (true, true), (false, true)] {
@@ -418,7 +422,7 @@ fn bring_together(
             lines[i].points = points;
         }
     }
-    if loose_ends > 0 {
+    if told && loose_ends > 0 {
         let at = first_end.and_then(|q| {
             let out = chart.out(cell_of(q)?);
             let p = space.given(chart.origin() + chart.direction(q) * out);

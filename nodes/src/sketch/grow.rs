@@ -1,8 +1,9 @@
 //! Implant, silhouette and lengthen: a stroke in the picture becomes a curve in space (the paper's 4.1 and 4.2).
 //!
 //! A picture does not show the depth of a stroke. If nearby curves run in a similar direction in the picture, the
-//! stroke takes their mean slope in depth; otherwise it stays at the depth where it began. Where the skin is in the way, it
-//! passes before it.
+//! stroke takes their mean slope in depth; otherwise it stays in the upright plane through where it began that faces the eye, so that
+//! hair drawn from above hangs straight down. Where the skin is in the way, it passes before it; over the head, what does not fall
+//! then follows the skin.
 //!
 //! Guarantees: a curve is where the stroke was drawn, within 3 pixels of the picture: it is brought out of the skin along the line
 //! of sight, never aside. Segments have the length set on the node, adjusted to come out even, and shorter where the stroke
@@ -203,12 +204,16 @@ fn depths(
     own: u64,
 ) -> Vec<f32> {
     let seen = &hand.seen;
-    let mut level = seen.depth(start);
+    let up = hand.scalp.frame().up;
+    // The depth at a step of the plane that a point lies in.
+    let level = |p: Vec3, k: usize| seen.upright(flat[k], p, up).unwrap_or(seen.depth(p));
+    let mut anchor = start;
     // What begins behind the head stays there.
     let hidden = !seen.sees(hand.scalp, start);
-    let piece = (hand.set.segment / seen.cm_per_pixel(level) / FINE).max(1.0) as usize;
+    let began = seen.depth(start);
+    let piece = (hand.set.segment / seen.cm_per_pixel(began) / FINE).max(1.0) as usize;
     let cm = |k: usize, depth: f32| flat[k].distance(flat[k - 1]) * seen.cm_per_pixel(depth);
-    let mut depths = vec![level];
+    let mut depths = vec![began];
     let mut told = None;
     for k in 1..flat.len() {
         let before = depths[k - 1];
@@ -221,13 +226,23 @@ fn depths(
         let far = cm(k, before);
         let depth = match told {
             Some(slope) => before + slope * far,
-            None => (before + RETURNS * far).min(level),
+            None => {
+                let way = seen.at(flat[k], before) - seen.at(flat[k - 1], before);
+                let falls = (-way.normalize_or_zero().dot(up)).max(0.0);
+                let on = level(seen.at(flat[k - 1], before), k);
+                // Over the head it follows the skin on; beside it, it goes no farther than it began.
+                let over = !hidden && seen.head(hand.scalp, flat[k]).is_some();
+                let most = if over { f32::MAX } else { level(anchor, k).max(on) };
+                (on + RETURNS * (1.0 - falls) * far).min(most)
+            }
         };
         let depth = match told.is_some() || hidden {
             true => hand.out_of_skin(flat[k], depth, CLEARANCE),
             false => hand.before_head(flat[k], depth, CLEARANCE),
         };
-        level = if told.is_some() { depth } else { level };
+        if told.is_some() {
+            anchor = seen.at(flat[k], depth);
+        }
         depths.push(depth);
     }
     for k in (1..flat.len() - 1).rev() {

@@ -26,6 +26,8 @@ pub struct Seen {
 const NEAR: f32 = 0.1;
 /// Anything less than this (cm) in front of a point does not hide it: skin under hair that lies on it.
 const VEIL: f32 = 0.35;
+/// Cosine of the steepest view in which strokes stand upright: 60 degrees from above.
+const STEEP: f32 = 0.5;
 
 impl Seen {
     /// A view of a head with this frame.
@@ -83,6 +85,16 @@ impl Seen {
     pub fn at(&self, pixel: Vec2, depth: f32) -> Vec3 {
         let off = pixel * self.cm_per_pixel(depth);
         self.eye + self.ahead * depth + self.across * off.x - self.up * off.y
+    }
+
+    /// The depth under a pixel of the plane through `p` that stands upright (`up`, unit) and faces the eye; `None` seen steeply from
+    /// above or below.
+    pub fn upright(&self, pixel: Vec2, p: Vec3, up: Vec3) -> Option<f32> {
+        let facing = self.ahead.reject_from_normalized(up);
+        let facing = facing.try_normalize().filter(|_| facing.length() > STEEP)?;
+        let depth = self.depth(p);
+        let [off, next] = [depth, depth + 1.0].map(|depth| (self.at(pixel, depth) - p).dot(facing));
+        (next - off > STEEP * STEEP).then(|| (depth - off / (next - off)).max(NEAR))
     }
 
     /// Origin and unit direction of the line of sight through a pixel.

@@ -1,6 +1,6 @@
 //! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
 
-use super::{Pen, PenTool, StrokeSelection, recipes, target};
+use super::{Pen, PenTool, StrokeSelection, partings, recipes, target};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::notes::Note;
@@ -126,6 +126,25 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
             let off = head.is_some() && state.pinned == head;
             pen.tool = if off { PenTool::Select } else { PenTool::Draw };
             out.push(Event::Pin(head.filter(|_| !off)));
+        },
+    },
+    Action {
+        id: "pen.partings",
+        label: "Edit found partings",
+        tip: "Turn the partings found between drawn hair into drawn lines, to move, cut or delete.",
+        words: "part parting move remove line hair flow strokes",
+        menu: "Pen",
+        when: |_, state| partings::drawn(state).map(|_| ()),
+        run: |pen, state, out| match partings::drawn(state) {
+            Err(why) => out.push(Event::Say(Note::warning(why))),
+            Ok((node, edits)) => {
+                out.push(Event::Begin("edit found partings".to_owned()));
+                out.push(Event::Edit(Edit::Several(edits)));
+                out.push(Event::End);
+                out.push(Event::Select(Select::Nodes(vec![node])));
+                out.push(Event::Show(Room::Viewport));
+                pen.tool = PenTool::Points;
+            }
         },
     },
     tool!(
@@ -386,20 +405,21 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         when: anything_picked,
         run: mirror_once,
     },
-    recipe!(0, "recipe gesture hairstyle pen implant cluster"),
-    recipe!(1, "recipe braid canerow plait"),
-    recipe!(2, "recipe rope two strand row"),
-    recipe!(3, "recipe braid plait hanging three strand"),
-    recipe!(4, "recipe rope hanging"),
-    recipe!(5, "recipe clump cluster fringe wisp"),
-    recipe!(6, "recipe loose hair sleek parting middle"),
-    recipe!(7, "recipe loose hair level cut parting side"),
-    recipe!(8, "recipe loose hair wavy parting side"),
-    recipe!(9, "recipe loose hair bangs forehead"),
-    recipe!(10, "recipe tail tied gathered"),
-    recipe!(11, "recipe bun ball afro pom"),
-    recipe!(12, "recipe kinky round natural 4c"),
-    recipe!(13, "recipe loose hair crop fade men barber clippers"),
+    recipe!(0, "recipe flow direct strokes guides haircut style bob swept back few pen"),
+    recipe!(1, "recipe gesture hairstyle pen implant cluster"),
+    recipe!(2, "recipe braid canerow plait"),
+    recipe!(3, "recipe rope two strand row"),
+    recipe!(4, "recipe braid plait hanging three strand"),
+    recipe!(5, "recipe rope hanging"),
+    recipe!(6, "recipe clump cluster fringe wisp"),
+    recipe!(7, "recipe loose hair sleek parting middle"),
+    recipe!(8, "recipe loose hair level cut parting side"),
+    recipe!(9, "recipe loose hair wavy parting side"),
+    recipe!(10, "recipe loose hair bangs forehead"),
+    recipe!(11, "recipe tail tied gathered"),
+    recipe!(12, "recipe bun ball afro pom"),
+    recipe!(13, "recipe kinky round natural 4c"),
+    recipe!(14, "recipe loose hair crop fade men barber clippers"),
 ];
 
 fn anything_picked(pen: &Pen, _: &State) -> Can {

@@ -19,6 +19,7 @@ mod hairline;
 pub(crate) mod mask;
 mod overlay;
 mod panel;
+mod partings;
 pub(crate) mod recipes;
 pub mod sample;
 mod shapes;
@@ -281,7 +282,9 @@ impl Pen {
     /// Outputs that it must see besides what is displayed.
     pub fn wants(&self, state: &State) -> Vec<Socket> {
         match self.tool {
-            PenTool::Hair(_) => hair::target::wanted(state),
+            PenTool::Hair(_) => {
+                hair::target::wanted(state).into_iter().chain(partings::output(state)).collect()
+            }
             PenTool::Mask(_) => mask::target::wanted(state),
             _ => vec![],
         }

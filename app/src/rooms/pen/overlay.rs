@@ -17,7 +17,7 @@ const POINT: f32 = 3.0;
 /// Corners of the brush's disc.
 const CORNERS: usize = 40;
 /// Lines of strokes.
-const LINE: Color32 = Color32::from_rgb(150, 190, 230);
+pub(super) const LINE: Color32 = Color32::from_rgb(150, 190, 230);
 /// Outlines around marks, so that they are seen on hair of any colour.
 pub(super) const EDGE: Color32 = Color32::from_black_alpha(160);
 

@@ -28,6 +28,9 @@ pub(crate) struct Recipe {
     selects: Option<&'static str>,
 }
 
+/// Fills what is sketched on a bare head: [`ALL`] by number.
+pub(crate) const SKETCH: usize = 1;
+
 /// What the pen draws into a recipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Draws {
@@ -42,7 +45,15 @@ pub(crate) enum Draws {
 }
 
 /// All recipes: first those to draw into.
-pub(crate) const ALL: [Recipe; 14] = [
+pub(crate) const ALL: [Recipe; 15] = [
+    Recipe {
+        template: "flow_hair",
+        label: "Draw a hairstyle",
+        tip: "Draw a few strokes from root to tip, such as ten for a bob: hair fills the head between them, and parts where they leave each other.",
+        action: "recipe.flow_hair",
+        draws: Draws::Hair,
+        selects: None,
+    },
     Recipe {
         template: "sketch_hair",
         label: "Sketch hair",
@@ -325,7 +336,7 @@ mod tests {
 
     #[test]
     fn loose_hair_is_there_in_one_step_with_its_colour_selected() {
-        let mut table = table_with(&ALL[13]);
+        let mut table = table_with(&ALL[14]);
         table.rest();
         let shown = table.editor().state.shown.clone().expect("a result");
         assert!(shown.curves.curve_count() > 5000, "{}", shown.curves.curve_count());
@@ -362,10 +373,10 @@ mod tests {
             let kinds = document.nodes.values().filter(|node| node.kind == "groom_output");
             (kinds.count(), document.nodes.contains_key(&NodeId::new("head").unwrap()))
         };
-        let mut table = table_with(&ALL[1]);
+        let mut table = table_with(&ALL[2]);
         let before = table.editor().state.document.clone();
         for (words, expected) in [("Cancel", 1), ("As well", 2), ("Instead", 1)] {
-            table.editor().act(ALL[5].action);
+            table.editor().act(ALL[6].action);
             table.step();
             table.step();
             assert_eq!(table.editor().state.document, before, "nothing is done before it is asked");
@@ -398,8 +409,8 @@ mod tests {
     #[test]
     fn a_second_recipe_shows_beside_the_first_on_the_same_head_and_has_seeds_of_its_own() {
         let mut document = head();
-        let bob = &ALL[7];
-        for recipe in [bob, bob, &ALL[9]] {
+        let bob = &ALL[8];
+        for recipe in [bob, bob, &ALL[10]] {
             let made = recipe.edits(&document, None, false).unwrap();
             Edit::Several(made.edits).apply(&mut document).unwrap();
         }
@@ -427,9 +438,9 @@ mod tests {
             target::make(&document, target::Fresh { free: false, mirror: false }).unwrap();
         let mut document = document;
         Edit::Several(edits).apply(&mut document).unwrap();
-        let rows = ALL[1].edits(&document, Some(&strokes), false).unwrap();
+        let rows = ALL[2].edits(&document, Some(&strokes), false).unwrap();
         assert_eq!(rows.node, strokes);
-        let fresh = ALL[1].edits(&head(), None, true).unwrap();
+        let fresh = ALL[2].edits(&head(), None, true).unwrap();
         let mut document = head();
         Edit::Several(fresh.edits).apply(&mut document).unwrap();
         assert_eq!(target::choice(&document, &fresh.node, "mirror").as_deref(), Some("both"));

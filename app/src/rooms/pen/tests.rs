@@ -598,7 +598,7 @@ fn the_line_is_painted_in_the_frame_of_its_samples() {
 fn a_stroke_that_becomes_no_hair_lies_on_no_node_hides_no_hair_and_says_so() {
     // Two recipes: all outputs are displayed, none by itself.
     let mut document = head();
-    for at in [13, 13] {
+    for at in [14, 14] {
         let made = recipes::ALL[at].edits(&document, None, false).expect("a recipe");
         Edit::Several(made.edits).apply(&mut document).expect("it is put in");
     }

@@ -596,3 +596,41 @@ fn a_head_in_any_size_has_the_same_sections_with_the_same_names_and_ids() {
     };
     check(&sintel, [100.0, 60.0, 150.0], true, &[&triangles, &curved]);
 }
+
+#[test]
+fn hair_is_parted_where_drawn_rows_leave_each_other_and_nowhere_else() {
+    let rows = |of: &[&[[f32; 3]]]| {
+        let tuft = |(id, row): (u64, &&[[f32; 3]])| {
+            let laid = row.iter().map(|p| head().closest_root(Vec3::from(*p)).unwrap().point);
+            let mut b = TuftBuilder::new();
+            b.push_curve(&laid.collect::<Vec<_>>());
+            b.set(ID, Domain::Curve, vec![id]);
+            Arc::new(b.build())
+        };
+        Value::from(Curves::new((1..).zip(of).map(tuft).collect()))
+    };
+    let to_left = |z: f32| [[0.8, 9.0, z], [4.0, 8.0, z], [7.0, 5.0, z]];
+    let to_right = |z: f32| to_left(z).map(|[x, y, z]| [-x, y, z]);
+    let turned = |row: [[f32; 3]; 3]| [row[2], row[1], row[0]];
+    let lines = |of: &[[[f32; 3]; 3]], leave: f32| {
+        let of: Vec<&[[f32; 3]]> = of.iter().map(|row| &row[..]).collect();
+        let set = [("between", rows(&of)), ("leave", Value::Float(leave))];
+        let (out, _) = part(&head(), &set);
+        curves_of(&out[1]).clone()
+    };
+    let apart = [to_left(3.0), to_right(3.0), to_left(-1.0), to_right(-1.0)];
+    let found = lines(&apart, 60.0);
+    assert_eq!(found.curve_count(), 1, "one line goes on past all rows");
+    for (tuft, i) in found.each() {
+        // The middle, as far as there are rows.
+        for p in tuft.curve(i).iter().filter(|p| (-1.0..3.0).contains(&p.z)) {
+            assert!(p.x.abs() < 0.4, "{p}");
+        }
+    }
+    assert!(lines(&apart, 0.0).curve_count() > 2, "all neighbours are parted");
+    assert_eq!(lines(&apart, 179.0).curve_count(), 0, "they leave by less than that");
+    let side_by_side = [to_left(3.0), to_left(0.0), to_left(-3.0)];
+    assert_eq!(lines(&side_by_side, 60.0).curve_count(), 0, "they run beside each other");
+    let meeting = apart.map(turned);
+    assert_eq!(lines(&meeting, 60.0).curve_count(), 0, "they come together");
+}

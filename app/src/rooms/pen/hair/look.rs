@@ -4,7 +4,7 @@
 //! Each coming action has a shape of its own beside its colour. Nothing here changes anything.
 
 use super::super::overlay::{EDGE, disc, label, line, tell};
-use super::super::{Pen, PenTool, Scene};
+use super::super::{Pen, PenTool, Scene, partings};
 use super::{Hair, target, wheel};
 use crate::core::state::State;
 use crate::widgets::theme;
@@ -78,6 +78,7 @@ impl Pen {
         let PenTool::Hair(tool) = self.tool else { return };
         let painter = ui.painter_at(scene.view.rect);
         let curves = curves(scene.state).unwrap_or_default();
+        partings::paint(&painter, scene);
         paint_pins(&painter, scene, &curves);
         self.hair.paint_changed(&painter, scene, &curves);
         self.hair.paint_touch(&painter);

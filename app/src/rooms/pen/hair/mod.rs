@@ -101,7 +101,7 @@ struct Touch {
 }
 
 /// The view of a projection, as gestures keep it: in the head's frame, with points of the screen for pixels.
-fn seen_from(view: &Projection, frame: &HeadFrame) -> GestureView {
+pub(super) fn seen_from(view: &Projection, frame: &HeadFrame) -> GestureView {
     let camera = &view.camera;
     let parallel = camera.orthographic.is_some();
     let half_height = 0.5 * view.cm_per_point(1.0) * view.rect.height();
@@ -299,7 +299,7 @@ impl Hair {
                 if after.is_none() && shown.is_some_and(|shown| shown.curves.curve_count() > 0) {
                     let text = match state.settings.pen.strands {
                         true => {
-                            "More than 200,000 strands are none to comb one by one: show fewer, or leave Strands"
+                            "More than 200,000 strands cannot be combed one by one: show fewer, or turn Strands off"
                         }
                         false => {
                             "This hair grows from no guides that the pen could edit: display guides or clusters"
@@ -312,7 +312,8 @@ impl Hair {
                 let made = match after {
                     Some(after) => target::make(document, Some(after)),
                     None => {
-                        let made = super::recipes::ALL[0].edits(document, None, false);
+                        let made = super::recipes::ALL[super::recipes::SKETCH]
+                            .edits(document, None, false);
                         made.ok().map(|made| (made.node, made.edits))
                     }
                 };

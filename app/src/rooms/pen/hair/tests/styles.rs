@@ -36,10 +36,14 @@ struct Hand {
 }
 
 impl Hand {
-    /// Opens the recipe on the bare head.
+    /// Opens the recipe for clusters on the bare head.
     fn begin(colour: [u8; 3]) -> Self {
+        Self::begin_with("recipe.sketch_hair", colour)
+    }
+
+    fn begin_with(recipe: &str, colour: [u8; 3]) -> Self {
         let mut table = draw_on(head());
-        table.editor().act("recipe.sketch_hair");
+        table.editor().act(recipe);
         table.rest();
         let scalp = table.editor().state.shown.as_ref().and_then(|shown| shown.scalp().cloned());
         let mut hand = Self { table, scalp: scalp.expect("a head"), took: 0.0 };
@@ -405,6 +409,137 @@ fn mohawk() -> (Document, f64) {
     hand.document("Sketched Mohawk", "A row of clusters that stand along the middle of the head.")
 }
 
+/// The recipe that hair flows by, with few hairs.
+fn flowing(colour: [u8; 3]) -> Hand {
+    let mut hand = Hand::begin_with("recipe.flow_hair", colour);
+    hand.set("hair", "count", Value::Int(9000));
+    hand
+}
+
+/// A bob parted in the middle: ten strokes, from the parting to the jaw, over all of the head.
+fn ten_strokes() -> Hand {
+    let mut hand = flowing([58, 36, 26]);
+    let mut row = |view: f32, up: f32, strokes: &[(Vec3, f32)]| {
+        hand.look(view, up);
+        for (root, side) in strokes {
+            // Over the widest part of the head, then down to the jaw.
+            let over = |up: f32, far: f32| at(*side, up, far);
+            let down = |y: f32, far: f32| {
+                let (x, z) = side.to_radians().sin_cos();
+                Vec3::new(x * far, y, z * far)
+            };
+            hand.plant_at(
+                *root,
+                &[over(32.0, 9.8), over(4.0, 9.9), down(-5.0, 9.6), down(-11.0, 9.2)],
+            );
+        }
+    };
+    let beside = |x: f32, z: f32| Vec3::new(x, 8.6, z);
+    row(
+        85.0,
+        22.0,
+        &[(beside(0.7, 3.6), 62.0), (beside(0.7, 0.6), 82.0), (beside(0.7, -2.6), 104.0)],
+    );
+    row(
+        275.0,
+        22.0,
+        &[(beside(-0.7, 3.6), 298.0), (beside(-0.7, 0.6), 278.0), (beside(-0.7, -2.6), 256.0)],
+    );
+    row(
+        180.0,
+        22.0,
+        &[
+            (Vec3::new(1.0, 7.6, -5.4), 140.0),
+            (Vec3::new(0.5, 6.4, -7.4), 166.0),
+            (Vec3::new(-0.5, 6.4, -7.4), 194.0),
+            (Vec3::new(-1.0, 7.6, -5.4), 220.0),
+        ],
+    );
+    hand
+}
+
+/// Swept back from the hairline: five strokes, over the top and along the sides.
+fn five_strokes() -> Hand {
+    let mut hand = flowing([40, 30, 24]);
+    hand.look(0.0, 70.0);
+    for x in [-4.6f32, 0.0, 4.6] {
+        let line = |z: f32, y: f32| Vec3::new(x, y - 0.08 * x * x, z);
+        hand.plant_at(line(6.0, 6.3), &[line(3.0, 8.9), line(-2.0, 9.6), line(-6.0, 7.6)]);
+    }
+    for side in [1.0f32, -1.0] {
+        hand.look(90.0 * side, 10.0);
+        let line = |y: f32, z: f32| Vec3::new(8.2 * side, y, z);
+        hand.plant_at(line(2.2, 4.4), &[line(3.4, 1.0), line(2.6, -3.0), line(-0.5, -6.0)]);
+    }
+    hand
+}
+
+/// All hair that is shown.
+fn hair(hand: &mut Hand) -> (Vec<Vec<Vec3>>, Arc<Scalp>) {
+    let frame = *hand.scalp.frame();
+    let state = &hand.table.editor().state;
+    let shown = state.shown.as_ref().expect("a result");
+    let scalp = shown.scalp().cloned().expect("a head");
+    let curves = shown.curves_of(&Socket::new(NodeId::new("colour").expect("an id"), "curves"));
+    let each = curves.expect("hair").each();
+    let of = |(tuft, i): (&coif_nodes::data::curves::Tuft, usize)| -> Vec<Vec3> {
+        tuft.curve(i).iter().map(|p| frame.head_from_point(*p)).collect()
+    };
+    (each.map(of).collect(), scalp)
+}
+
+/// How far (cm) from the next hair's root the skin lies at most where hair grows.
+fn barest(hair: &[Vec<Vec3>], scalp: &Scalp) -> f32 {
+    let roots: Vec<Vec3> = hair.iter().map(|points| points[0]).collect();
+    let frame = scalp.frame();
+    let surface = scalp.surface();
+    let third = glam::Vec2::splat(1.0 / 3.0);
+    let triangles = (0..surface.triangles.len() as u32).filter(|t| scalp.grows(*t, third) >= 1.0);
+    let skin = triangles.step_by(7).map(|t| frame.head_from_point(scalp.root(t, third).point));
+    let near = |p: Vec3| roots.iter().map(|root| root.distance(p)).fold(f32::MAX, f32::min);
+    skin.map(near).fold(0.0, f32::max)
+}
+
+#[test]
+fn ten_strokes_are_a_full_bob_parted_in_the_middle_and_level_at_the_jaw() {
+    let mut hand = ten_strokes();
+    let made = gestures(&hand.table.editor().state.document);
+    assert_eq!(made.0.len(), 10);
+    let (all, scalp) = hair(&mut hand);
+    assert!(all.len() > 5000, "{}", all.len());
+    assert!(barest(&all, &scalp) < 0.8, "{}", barest(&all, &scalp));
+    // Hair of the top ends at the jaw, within a little, and on its own side.
+    let top: Vec<&Vec<Vec3>> = all.iter().filter(|points| points[0].y > 6.5).collect();
+    let tips: Vec<Vec3> = top.iter().map(|points| points[points.len() - 1]).collect();
+    let mut heights: Vec<f32> = tips.iter().map(|tip| tip.y).collect();
+    heights.sort_by(f32::total_cmp);
+    let share = |k: f32| heights[(k * (heights.len() - 1) as f32) as usize];
+    println!(
+        "took {:.0} s; tips at {:.1}, {:.1}, {:.1}",
+        hand.took,
+        share(0.1),
+        share(0.5),
+        share(0.9)
+    );
+    assert!((-12.5..-9.5).contains(&share(0.5)) && share(0.9) - share(0.1) < 3.0);
+    let front = top.iter().zip(&tips).filter(|(points, _)| points[0].z > -3.0);
+    let over = front.clone().filter(|(points, tip)| points[0].x * tip.x < 0.0).count();
+    assert!(over * 200 < front.count(), "{over} lie on the other side");
+}
+
+#[test]
+fn five_strokes_sweep_all_hair_back() {
+    let mut hand = five_strokes();
+    let made = gestures(&hand.table.editor().state.document);
+    assert_eq!(made.0.len(), 5);
+    let (all, scalp) = hair(&mut hand);
+    assert!(barest(&all, &scalp) < 0.8, "{}", barest(&all, &scalp));
+    let front = all.iter().filter(|points| points[0].z > 0.0);
+    let back = front.clone().filter(|points| points[points.len() - 1].z < points[0].z - 1.0);
+    let (front, back) = (front.count(), back.count());
+    assert!(back * 100 > front * 97, "{back} of {front}");
+}
+
 const STYLES: [(&str, fn() -> (Document, f64)); 3] =
     [("sketch_bob", bob), ("sketch_ponytail", ponytail), ("sketch_mohawk", mohawk)];
 
@@ -416,6 +551,18 @@ fn gestures(document: &Document) -> Arc<Gestures> {
 #[test]
 fn shipped_sketches_are_what_a_pen_draws_in_two_minutes() {
     let update = std::env::var_os("UPDATE_EXPECT").is_some();
+    if update {
+        // The sample of the recipe.
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../graphs/templates/flow_hair.ron");
+        let text = std::fs::read_to_string(&path).expect("the template is shipped");
+        let mut template = coif_graphs::file::read(&text).expect("it reads").document;
+        let drawn = gestures(&ten_strokes().table.editor().state.document);
+        let sketch = NodeId::new("hair_sketch").expect("an id");
+        let node = Arc::make_mut(template.nodes.get_mut(&sketch).expect("a sketch"));
+        node.inputs.insert("gestures".to_owned(), Setting::Known(Value::Gestures(drawn)));
+        std::fs::write(&path, coif_graphs::file::write(&template)).expect("it is written");
+    }
     let only = std::env::var("COIF_SKETCH").ok();
     for (name, draw) in STYLES {
         // The longest of them is drawn by `tests/run.sh --long` alone.
