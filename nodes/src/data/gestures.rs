@@ -60,7 +60,7 @@ pub enum Tool {
     Frizz,
     /// Pushes curves along the stroke.
     Comb,
-    /// Fixes the nearest CV in place, or frees it.
+    /// Fixes the nearest CV in place, or all under its brush, or frees them.
     Pin,
     /// Smooths what the brush passes.
     Smooth,

@@ -303,6 +303,38 @@ fn a_point_goes_where_the_pen_puts_it_and_takes_none_along() {
 }
 
 #[test]
+fn a_pin_with_a_size_pins_all_under_its_stroke_and_frees_it_where_it_begins_on_a_pin() {
+    let lock = one_lock();
+    let beside = drawn_again(&lock, Vec2::new(60.0, 0.0));
+    let two = [lock.clone(), beside];
+    let (was, _) = sketch(None, &two);
+    let seen = super::seen::Seen::new(&lock.view, shared_ball().frame());
+    let at = seen.pixel(was.tufts()[0].points()[3]).unwrap();
+    let (from, to) = (at - Vec2::new(20.0, 0.0), at + Vec2::new(80.0, 0.0));
+    let mut pin = drawn(Tool::Pin, Layer::Through, &line(from.into(), to.into()));
+    pin.size = 25.0;
+    let (pinned, said) = sketch(None, &[&two[..], &[pin.clone()]].concat());
+    assert!(said.is_empty(), "{said:?}");
+    for (tuft, i) in pinned.each() {
+        let pins = tuft.view(PINNED);
+        let under = |p: Vec3| super::hand::off_piece(&[from, to], [seen.pixel(p).unwrap(); 2]).0;
+        let mut count = 0;
+        for (k, p) in tuft.curve(i).iter().enumerate().skip(1) {
+            assert_eq!(pins.at(i, k) != 0, under(*p) <= 25.0, "{k}");
+            count += i32::from(pins.at(i, k) != 0);
+        }
+        assert!(count > 0 && pins.at(i, 0) == 0);
+    }
+    let again = Gesture { id: 9, ..pin.clone() };
+    let (freed, said) = sketch(None, &[&two[..], &[pin, again]].concat());
+    assert!(said.is_empty(), "{said:?}");
+    let free = |(tuft, i): (&crate::data::curves::Tuft, usize)| {
+        (0..tuft.curve(i).len()).all(|k| tuft.view(PINNED).at(i, k) == 0)
+    };
+    assert!(freed.each().all(free));
+}
+
+#[test]
 fn a_curve_drawn_anew_keeps_what_lies_before_and_follows_the_stroke() {
     let lock = one_lock();
     let taper = drawn(Tool::Twist, Layer::Nearest, &circle([0.0, -20.0], 15.0, 3.0));

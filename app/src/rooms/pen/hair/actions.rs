@@ -101,8 +101,8 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         "hair.pin",
         Some(Tool::Pin),
         "Pin hair",
-        "Tap on hair to pin its nearest CV against combing. Tap again to free it.",
-        "hairpin lock hold fix bobby"
+        "Tap on hair to pin its nearest CV against combing, or draw to pin all under the brush. Begin on a pin to free.",
+        "hairpin lock hold fix bobby freeze brush"
     ),
     hair!(
         "hair.smooth",

@@ -144,8 +144,8 @@ impl Pen {
 
 /// Whether a tool works with a brush of some size, or may.
 pub(in super::super) fn has_brush(tool: Option<Tool>) -> bool {
-    use Tool::{Comb, Grab, Puff, Scatter, Smooth, Straighten};
-    matches!(tool, None | Some(Comb | Smooth | Puff | Grab | Straighten | Scatter))
+    use Tool::{Comb, Grab, Pin, Puff, Scatter, Smooth, Straighten};
+    matches!(tool, None | Some(Comb | Smooth | Puff | Grab | Straighten | Scatter | Pin))
 }
 
 /// What a touch would do, as far as can be told before it.

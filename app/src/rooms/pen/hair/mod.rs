@@ -570,13 +570,10 @@ impl Touch {
         let rho = self.rho(scene.state);
         match self.tool {
             Some(Tool::Pin) => Guess::Is(Tool::Pin),
-            Some(tool) => {
-                let still = self.samples.iter().all(|s| s.at.distance(first) <= STILL);
-                match still {
-                    true => Guess::Unsure("The stroke is too short: draw it longer"),
-                    false => Guess::Is(tool),
-                }
-            }
+            Some(tool) => match self.is_still() {
+                true => Guess::Unsure("The stroke is too short: draw it longer"),
+                false => Guess::Is(tool),
+            },
             None => {
                 let ground = ViewedCurves::new(&self.view, scene.scalp, &self.before, rho);
                 let around = ground.around(first, last, self.eraser, self.layer());
@@ -585,13 +582,20 @@ impl Touch {
         }
     }
 
+    /// Whether the pen has stayed where it touched.
+    fn is_still(&self) -> bool {
+        self.samples.iter().all(|s| s.at.distance(self.samples[0].at) <= STILL)
+    }
+
     /// The gesture as far as it is drawn; none while it is none.
     fn gesture(&mut self, scene: &Scene) -> Option<Gesture> {
         self.guess = self.guess(scene);
         let Guess::Is(tool) = self.guess else { return None };
         let settings = &scene.state.settings.pen;
         let brush = matches!(tool, Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten);
-        let sized = brush || matches!(tool, Tool::Comb | Tool::Scatter);
+        // A tap pins one CV, a stroke all under the brush.
+        let pins = self.tool == Some(Tool::Pin) && !self.is_still();
+        let sized = brush || pins || matches!(tool, Tool::Comb | Tool::Scatter);
         let size = if sized {
             let depth = scene.view.depth(scene.scalp.frame().origin);
             settings.hair_brush() / scene.view.cm_per_point(depth).max(1e-6)
@@ -608,7 +612,11 @@ impl Touch {
         let gesture = Gesture {
             id: self.id,
             tool,
-            layer: if tool == Tool::Implant { Layer::Scalp } else { self.layer() },
+            layer: match tool {
+                Tool::Implant => Layer::Scalp,
+                Tool::Pin if pins => Layer::Through,
+                _ => self.layer(),
+            },
             view: self.view,
             samples: self.samples.clone(),
             curves: vec![],

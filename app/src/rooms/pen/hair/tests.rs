@@ -13,7 +13,7 @@ use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::result::content_hash;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_nodes::data::curves::Curves;
-use coif_nodes::data::gestures::{Gestures, Layer, Tool};
+use coif_nodes::data::gestures::{Gesture, Gestures, Layer, Tool};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
 use coif_nodes::maths::nearest_on;
@@ -354,6 +354,29 @@ fn a_mouse_reaches_all_three_levels_by_what_it_touches_and_by_keys() {
     );
     salon.0.editor().act("hair.level_1");
     assert_eq!(salon.0.editor().pen.hair.level, None);
+}
+
+#[test]
+fn with_the_pin_tool_a_tap_pins_one_cv_and_a_stroke_all_under_the_brush() {
+    let mut salon = Salon::open(head(), "hair.sketch");
+    salon.draw(&lock(), HEAVY);
+    let middle = salon.place(0, 2);
+    salon.0.editor().act("hair.pin");
+    salon.draw(&[middle, middle], MIDDLE);
+    let count = |salon: &mut Salon| {
+        let curves = salon.curves();
+        let (tuft, i) = curves.each().next().expect("a curve");
+        let pins = tuft.view(coif_nodes::data::attributes::PINNED);
+        (0..tuft.curve(i).len()).filter(|k| pins.at(i, *k) != 0).count()
+    };
+    assert_eq!(count(&mut salon), 1);
+    let tip = salon.place(0, 99);
+    salon.draw(&Salon::line([tip.x, tip.y], [tip.x + 10.0, tip.y]), MIDDLE);
+    let all = salon.gestures().0.clone();
+    let told = |gesture: &Gesture| (gesture.tool, gesture.layer, gesture.size > 0.0);
+    assert_eq!(told(&all[1]), (Tool::Pin, Layer::Nearest, false));
+    assert_eq!(told(&all[2]), (Tool::Pin, Layer::Through, true));
+    assert!(count(&mut salon) > 1);
 }
 
 #[test]
