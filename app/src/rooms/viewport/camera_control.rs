@@ -118,6 +118,8 @@ impl Viewport {
     fn find(&mut self, place: impl FnOnce() -> Option<Camera> + Send + 'static) {
         let (send, receive) = channel();
         self.framing = Some(receive);
+        // What was asked for last stays, hair or not.
+        (self.before_hair, self.waits_for_hair) = (None, false);
         std::thread::spawn(move || {
             if let Some(camera) = place() {
                 // Nobody waits for it any more when the window is closed.

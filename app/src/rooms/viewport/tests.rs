@@ -289,6 +289,39 @@ mod window {
         });
     }
 
+    #[test]
+    fn a_view_that_is_asked_for_while_the_head_is_alone_stays_when_the_hair_comes() {
+        let mut ui = on_groom("puffs");
+        let whole = ui.state().state.shown.clone().expect("a result");
+        let alone = crate::core::shown::Shown {
+            revision: whole.revision,
+            quality: whole.quality,
+            sockets: whole.sockets.clone(),
+            curves: Default::default(),
+            scalps: whole.scalps.clone(),
+            values: whole.values.clone(),
+            head_alone: true,
+            stands_for: 1.0,
+            final_strands: None,
+            ms: 0.0,
+            over: vec![],
+        };
+        let mut viewport = Viewport::default();
+        let mut seen = |shown: Arc<crate::core::shown::Shown>, name: Option<&str>| {
+            ui.state_mut().state.shown = Some(shown);
+            let state = &ui.state().state;
+            viewport.frame_first(state);
+            name.into_iter().for_each(|name| viewport.look_from(name, state));
+            until("the eye has a place", || {
+                viewport.take_framing();
+                viewport.framing.is_none()
+            });
+            viewport.camera
+        };
+        let front = seen(alone.into(), Some("front"));
+        assert_eq!(seen(whole, None), front);
+    }
+
     fn drag(ui: &mut Ui, from: Pos2, to: Pos2, button: PointerButton, modifiers: Modifiers) {
         ui.event(Input::PointerMoved(from));
         ui.step();
