@@ -303,5 +303,6 @@ pub(super) fn document(facts: Facts) -> Document {
         }
     }
     document.nodes = nodes.into_iter().map(|(id, node)| (id, Arc::new(node))).collect();
+    document.display = document.display.filter(|id| document.nodes.contains_key(id));
     document
 }
