@@ -117,10 +117,11 @@ if [ "$(uname)" = Linux ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null
     command -v import >/dev/null || wanted+=(imagemagick)
     [ -x /usr/lib/xorg/Xorg ] || wanted+=(xserver-xorg-core)
     [ -e /usr/lib/xorg/modules/drivers/dummy_drv.so ] || wanted+=(xserver-xorg-video-dummy)
-    # What a window opens at run time.
+    # What a window opens at run time. (Read whole: a pipe that ends early is a failure here.)
+    libraries=$(ldconfig -p)
     for pair in libX11-xcb.so.1:libx11-xcb1 libXcursor.so.1:libxcursor1 libXi.so.6:libxi6 libXrandr.so.2:libxrandr2 \
         libXrender.so.1:libxrender1 libxkbcommon.so.0:libxkbcommon0 libxkbcommon-x11.so.0:libxkbcommon-x11-0; do
-        ldconfig -p | grep -qF "${pair%%:*}" || wanted+=("${pair##*:}")
+        [[ $libraries == *"${pair%%:*}"* ]] || wanted+=("${pair##*:}")
     done
     if [ ${#wanted[@]} -gt 0 ]; then
         say "screens in memory"

@@ -43,10 +43,11 @@ impl Screen {
             println!("skipped: {test} needs {} (xvfb xdotool imagemagick)", NEEDED.join(", "));
             return None;
         }
-        // The server takes a number that is free, and tells it when it is ready; where it cannot start it ends.
+        // The server takes a number that is free, and tells it when it is ready; where it cannot start it ends. It is not to begin anew
+        // whenever a client leaves, such as xdotool: who comes just then finds nobody.
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", &format!("{width}x{height}x24")])
-            .args(["-nolisten", "tcp"])
+            .args(["-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
