@@ -44,8 +44,6 @@ node! {
         level: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("blunt layers cut ends length");
         /// Height to which hair rises over the skin, so that hair from above lies over hair from below.
         volume: f32 = 0.5, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("lift body puffiness height");
-
-        [Shape]
         /// Strokes blended per guide. More is smoother; 1 follows the nearest alone.
         strokes_per_guide: i64 = 4, hard(1.0, 16.0), soft(1.0, 8.0), unit(Count), words("neighbours blend smooth");
 
@@ -402,7 +400,7 @@ mod tests {
         let heights = [&level, &layered].map(|all| spread(&|one| one.0, all));
         assert!(heights[0] < 3.5 && heights[1] > heights[0] + 1.0, "{heights:?}");
         assert!(spread(&|one| one.1, &level) > 4.0, "{}", spread(&|one| one.1, &level));
-        assert!(spread(&|one| one.1, &layered) < 0.5, "{}", spread(&|one| one.1, &layered));
+        assert!(spread(&|one| one.1, &layered) < 2.0, "{}", spread(&|one| one.1, &layered));
     }
 
     #[test]
