@@ -4,7 +4,7 @@
 //! cannot, and each fact of it is told, in the order of the facts. What harms no evaluation is told, and stays.
 
 use super::conflict::{Clash, Conflict};
-use super::fact::{Fact, Facts, document};
+use super::fact::{Fact, Facts, Said, document};
 use crate::document::graph::{Cycle, Fault, Problem, Severity, check, cycles};
 use crate::document::{Document, NodeId, Setting, Socket};
 use crate::text::write_value;
@@ -56,15 +56,23 @@ pub(super) fn settle(
         };
         let place = (problem.fault, problem.node.clone(), problem.socket.clone());
         let round = rounds.entry(place).or_default();
-        let facts = match (*round, round.checked_sub(1).and_then(|n| REACH.get(n))) {
-            (0, _) => own_facts(&whole, problem),
-            (_, Some(wires)) => facts_about(&problem.node, *wires, [&said, own]),
-            (_, None) => {
-                let all = said.keys().chain(own.keys()).filter(|fact| fact.node().is_some());
-                all.filter(|fact| !stays(fact)).cloned().chain([Fact::Display]).collect()
-            }
-        };
+        let mut facts: BTreeSet<Fact> =
+            match (*round, round.checked_sub(1).and_then(|n| REACH.get(n))) {
+                (0, _) => own_facts(&whole, problem),
+                (_, Some(wires)) => facts_about(&problem.node, *wires, [&said, own]),
+                (_, None) => {
+                    let all = said.keys().chain(own.keys()).filter(|fact| fact.node().is_some());
+                    all.filter(|fact| !stays(fact)).cloned().chain([Fact::Display]).collect()
+                }
+            };
         *round += 1;
+        // What shows a node that is taken back is taken back with it.
+        if let Some(Said::Node(id)) = said.get(&Fact::Display) {
+            let kind = Fact::Kind(id.clone());
+            if facts.contains(&kind) && !own.contains_key(&kind) {
+                facts.insert(Fact::Display);
+            }
+        }
         for fact in facts {
             let (now, ours) = (said.get(&fact).cloned(), own.get(&fact).cloned());
             if now == ours {
