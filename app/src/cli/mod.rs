@@ -103,7 +103,7 @@ enum Command {
     Measure(measure::MeasureArgs),
 }
 
-/// Ends a command that prints what it found: the report's warnings, then that, or why there is none.
+/// Ends a command that prints what it found: first the report's warnings, then the finding, or the reason there is none.
 fn answer(mut report: report::Report, found: Result<String, Stop>) -> Exit {
     for warning in first_of(std::mem::take(&mut report.warnings)) {
         complain(format_args!("warning: {warning}"));

@@ -80,8 +80,8 @@ pub(crate) fn body<R>(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui) -> R) ->
     area.show(ui, add).inner
 }
 
-/// A question over the rooms: what it says, a button with its tooltip for each answer, and *Cancel*. None while it is open; then the
-/// number of the answer, or none where it was cancelled or closed.
+/// Asks a question over the rooms: its text, a button with a tooltip for each answer, and *Cancel*. Gives `None` while it is open;
+/// then the index of the answer, or `None` inside if it was cancelled or closed.
 pub(crate) fn question(
     title: impl Into<egui::WidgetText>,
     name: &str,

@@ -9,10 +9,8 @@
 //! the other side of a parting. Not promised: that guides stay clear of each other.
 
 use super::even_roots::EvenRoots;
-use super::grower::{CLEARANCE, Grower};
-use crate::data::attributes::{
-    Attribute, Domain, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
-};
+use super::grower::{CLEARANCE, Grower, bind};
+use crate::data::attributes::{Attribute, Domain, ID, PARENT, ROOT_UV, SECTION};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
 use crate::define::{NodeError, node};
@@ -223,7 +221,7 @@ fn roots(cx: &EvalCx, inputs: &Inputs) -> Vec<(u64, Root)> {
     all.take(wanted).filter(|(_, root)| scalp.is_free(root)).collect()
 }
 
-/// The strokes that the guide of a root follows, nearest first; none where partings separate it from all.
+/// The strokes that a root's guide follows, nearest first. Empty if partings separate the root from every stroke.
 fn followed<'a>(
     strokes: &'a [StrokeOnSkin<'a>],
     scalp: &Scalp,
@@ -284,7 +282,6 @@ fn length(
 }
 
 fn guide(inputs: &Inputs, name: u64, root: &Root, stroke: &StrokeOnSkin, points: &[Vec3]) -> Tuft {
-    let scalp = &*inputs.scalp;
     let mut b = TuftBuilder::new();
     b.push_curve(points);
     for attribute in stroke.tuft.attributes().iter().filter(|a| a.domain == Domain::Curve) {
@@ -294,15 +291,7 @@ fn guide(inputs: &Inputs, name: u64, root: &Root, stroke: &StrokeOnSkin, points:
     [ROOT_UV.name, SECTION.name].iter().for_each(|name| b.remove(name));
     b.set(ID, Domain::Curve, vec![curve_id(0, inputs.seed as u64, name)]);
     b.set(PARENT, Domain::Curve, vec![stroke.tuft.id(stroke.curve)]);
-    b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
-    b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
-    b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
-    if scalp.uvs().is_some() {
-        b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
-    }
-    if let Some(section) = scalp.sections().and_then(|s| s.id_of(root)) {
-        b.set(SECTION, Domain::Curve, vec![section]);
-    }
+    bind(&mut b, root, &inputs.scalp);
     b.build()
 }
 

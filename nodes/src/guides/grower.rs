@@ -3,6 +3,8 @@
 //! Guarantees: no point lies below the skin; on a parted scalp what lies on the skin runs along a parting and not across it, and the
 //! guide ends at a corner with no way out; points are evenly spaced. Not promised: the length asked for, beside a corner.
 
+use crate::data::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION};
+use crate::data::curves::TuftBuilder;
 use crate::data::route::makers::{lift, lift_each};
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::maths::spline::Spline;
@@ -13,6 +15,20 @@ pub(super) const CLEARANCE: f32 = 0.02;
 /// Growth steps between two points of a guide.
 const SUBSTEPS: usize = 3;
 
+/// Binds a tuft of one guide to its root.
+pub(super) fn bind(b: &mut TuftBuilder, root: &Root, scalp: &Scalp) {
+    b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
+    b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
+    b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
+    if scalp.uvs().is_some() {
+        b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
+    }
+    if let Some(section) = scalp.sections().and_then(|s| s.id_of(root)) {
+        b.set(SECTION, Domain::Curve, vec![section]);
+    }
+}
+
+/// Grows guides on a head.
 pub(super) struct Grower<'a> {
     pub scalp: &'a Scalp,
     pub skin: Skin<'a>,

@@ -6,10 +6,8 @@
 //! others. Not promised: that guides stay clear of each other.
 
 use super::even_roots::{Apart, EvenRoot, EvenRoots};
-use super::grower::{CLEARANCE, Grower};
-use crate::data::attributes::{
-    DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION,
-};
+use super::grower::{CLEARANCE, Grower, bind};
+use crate::data::attributes::{DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node, unless};
@@ -144,15 +142,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         b.set(ID, Domain::Curve, vec![id]);
         b.set(RADIUS, Domain::Curve, vec![radius.at(i, i, 0.0)]);
         b.set(DENSITY, Domain::Curve, vec![DENSITY.default]);
-        b.set(SCALP_NORMAL, Domain::Curve, vec![root.normal]);
-        b.set(ROOT_TRIANGLE, Domain::Curve, vec![root.triangle as i32]);
-        b.set(ROOT_BARY, Domain::Curve, vec![root.bary]);
-        if scalp.uvs().is_some() {
-            b.set(ROOT_UV, Domain::Curve, vec![root.uv]);
-        }
-        if let Some(section) = scalp.sections().and_then(|s| s.id_of(root)) {
-            b.set(SECTION, Domain::Curve, vec![section]);
-        }
+        bind(&mut b, root, scalp);
         Ok([b.build()])
     })?;
     Ok(Outputs { curves })

@@ -134,18 +134,8 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         tip: "Turn the partings found between drawn hair into drawn lines, to move, cut or delete.",
         words: "part parting move remove line hair flow strokes",
         menu: "Pen",
-        when: |_, state| partings::drawn(state).map(|_| ()),
-        run: |pen, state, out| match partings::drawn(state) {
-            Err(why) => out.push(Event::Say(Note::warning(why))),
-            Ok((node, edits)) => {
-                out.push(Event::Begin("edit found partings".to_owned()));
-                out.push(Event::Edit(Edit::Several(edits)));
-                out.push(Event::End);
-                out.push(Event::Select(Select::Nodes(vec![node])));
-                out.push(Event::Show(Room::Viewport));
-                pen.tool = PenTool::Points;
-            }
-        },
+        when: |_, state| partings::can_edit(state),
+        run: |pen, state, out| partings::edit(pen, state, out),
     },
     tool!(
         "pen.points",

@@ -3,8 +3,12 @@
 //! The node *Partings* finds them while its `leave` is above 0. As drawn lines they are strokes of a *Stroke input*, as if the pen had
 //! drawn them, and `leave` goes to 180, at which nothing is found any more. One undo step takes all of it back.
 
-use super::{Scene, overlay, target};
-use crate::core::state::State;
+use super::{Pen, PenTool, Scene, overlay, target};
+use crate::core::action::Can;
+use crate::core::event::Event;
+use crate::core::notes::Note;
+use crate::core::room::Room;
+use crate::core::state::{Select, State};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Setting, Socket, strokes};
 use coif_nodes::data::curves::Curves;
@@ -19,6 +23,8 @@ use std::sync::Arc;
 
 /// At this angle no rows leave each other.
 const NOWHERE: f32 = 180.0;
+/// Why there is nothing to edit.
+const NONE: &str = "no Partings node looks for partings between drawn hair";
 /// Distance between samples of a line, head units.
 const STEP: f32 = 0.25;
 
@@ -62,12 +68,31 @@ pub(super) fn paint(painter: &Painter, scene: &Scene) {
     }
 }
 
+/// Whether partings are found.
+pub(super) fn can_edit(state: &State) -> Can {
+    output(state).map(|_| ()).ok_or(NONE)
+}
+
+/// Makes what is found drawn lines, and takes up the tool for their points.
+pub(super) fn edit(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
+    let (node, edits) = match drawn(state) {
+        Ok(made) => made,
+        Err(why) => return out.push(Event::Say(Note::warning(why))),
+    };
+    out.push(Event::Begin("edit found partings".to_owned()));
+    out.push(Event::Edit(Edit::Several(edits)));
+    out.push(Event::End);
+    out.push(Event::Select(Select::Nodes(vec![node])));
+    out.push(Event::Show(Room::Viewport));
+    pen.tool = PenTool::Points;
+}
+
 /// The edits that make what is found drawn lines, and the node with them.
 ///
 /// # Errors
 /// Why there is nothing to be made, for people.
-pub(super) fn drawn(state: &State) -> Result<(NodeId, Vec<Edit>), &'static str> {
-    let found = output(state).ok_or("no Partings node finds partings between drawn hair")?;
+fn drawn(state: &State) -> Result<(NodeId, Vec<Edit>), &'static str> {
+    let found = output(state).ok_or(NONE)?;
     let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
     let (Some(scalp), Some(curves)) = (scalp, shown(state)) else {
         return Err("the partings are not evaluated yet: try again in a moment");
