@@ -1,6 +1,7 @@
 //! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
 
-use super::{Pen, PenTool, StrokeSelection, partings, recipes, target};
+use super::target::{self, Fills};
+use super::{Pen, PenTool, StrokeSelection, partings, recipes};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::notes::Note;
@@ -84,7 +85,8 @@ fn sized(pen: &Pen, state: &State, by: f32, out: &mut Vec<Event>) {
 /// Takes up a tool on strokes, or on hair or a mask the one of the same name. Where hair was sketched and no stroke was drawn it is
 /// hair that is meant.
 fn same_on_hair(pen: &mut Pen, state: &State, strokes: PenTool, hair: Tool) {
-    let sketched = target::of(state).is_none() && super::hair::target::of(state).is_some();
+    let sketched =
+        target::of(state, Fills::Strokes).is_none() && target::of(state, Fills::Hair).is_some();
     pen.tool = match pen.tool {
         PenTool::Mask(_) if matches!(hair, Tool::Point | Tool::Redraw) => strokes,
         PenTool::Hair(_) => PenTool::Hair(Some(hair)),
@@ -448,13 +450,19 @@ fn a_head(_: &Pen, state: &State) -> Can {
 
 /// The node that the pen works on and the name of its input.
 fn at(state: &State) -> Option<(NodeId, &'static str)> {
-    let node = target::of(state)?;
+    let node = target::of(state, Fills::Strokes)?;
     let kind = &state.document.node(node.as_str())?.kind;
     Some((node.clone(), target::strokes_input(kind)?))
 }
 
 /// Makes edits in one step, named after the node.
-fn step(state: &State, node: &NodeId, words: &str, edits: Vec<Edit>, out: &mut Vec<Event>) {
+pub(super) fn step(
+    state: &State,
+    node: &NodeId,
+    words: &str,
+    edits: Vec<Edit>,
+    out: &mut Vec<Event>,
+) {
     if edits.is_empty() {
         return;
     }
@@ -471,7 +479,7 @@ fn symmetry(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
     }
     let document = &state.document;
     let strokes = !matches!(pen.tool, PenTool::Hair(_));
-    let node = target::of(state).filter(|_| strokes);
+    let node = target::of(state, Fills::Strokes).filter(|_| strokes);
     let mirror = node.as_ref().and_then(|id| target::choice(document, id, "mirror"));
     let (Some(node), Some(mirror)) = (node, mirror) else {
         set(state, out, |pen| pen.symmetry = !pen.symmetry);
@@ -637,7 +645,7 @@ fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
     let mut two = strokes.0.iter().filter(|stroke| touched.contains(&stroke.id));
     let (Some(first), Some(second)) = (two.next(), two.next()) else { return };
     let (stroke, id) = (whole::joined(first, second), second.id);
-    pen.picked = StrokeSelection { strokes: [stroke.id].into(), ..StrokeSelection::default() };
+    pen.picked = StrokeSelection::of_stroke(stroke.id);
     let input = input.to_owned();
     let edits = vec![
         Edit::RemoveStroke { node: node.clone(), input: input.clone(), id },

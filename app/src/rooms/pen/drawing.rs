@@ -10,12 +10,13 @@ use crate::core::projection::Projection;
 use coif_graphs::document::strokes::finish;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::{Sample, Stroke, Strokes};
+use coif_nodes::maths::closest::Hit;
 use egui::Pos2;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// A stroke that stays this near to the middle of the head, in head units, is drawn on it.
-pub(crate) const MIDLINE: f32 = 0.3;
+const MIDLINE: f32 = 0.3;
 /// A stroke begins on the head or beside it, this near to it at most, points of the screen.
 const BESIDE: f32 = 40.0;
 /// How far over the skin a stroke in space glides, head units.
@@ -34,15 +35,19 @@ pub(crate) enum Lie {
     Space,
 }
 
+/// The skin under a place of the screen.
+pub(super) fn skin(scalp: &Scalp, view: &Projection, at: Pos2) -> Option<Hit> {
+    let ray = view.ray(at);
+    scalp.surface().ray(ray.origin, ray.direction, f32::MAX)
+}
+
 /// The point of the scalp that is seen at a place of the screen; where there is none, the one nearest to what would be
 /// seen at the depth of `near`.
 pub(crate) fn on_scalp(scalp: &Scalp, view: &Projection, at: Pos2, near: Vec3) -> Option<Vec3> {
-    let ray = view.ray(at);
-    if let Some(hit) = scalp.surface().ray(ray.origin, ray.direction, f32::MAX) {
-        return Some(hit.point);
-    }
-    let beside = view.on_plane(at, near, view.axes()[2])?;
-    scalp.closest_root(beside).map(|root| root.point)
+    skin(scalp, view, at).map(|hit| hit.point).or_else(|| {
+        let beside = view.on_plane(at, near, view.axes()[2])?;
+        scalp.closest_root(beside).map(|root| root.point)
+    })
 }
 
 /// A stroke that grows.
@@ -111,13 +116,11 @@ impl GrowingStroke {
         let ray = view.ray(at);
         let unit = self.scalp.frame().unit();
         let surface = self.scalp.surface();
-        let Some(hit) = surface.ray(ray.origin, ray.direction, f32::MAX) else {
-            return Some(beside);
-        };
+        let Some(hit) = skin(&self.scalp, view, at) else { return Some(beside) };
         let over = hit.point + surface.smooth_normal(hit.triangle, hit.bary) * (OVER * unit);
         let far = |p: Vec3| (p - ray.origin).dot(ray.direction);
-        let skin = surface.closest(self.last);
-        let lies = skin.is_some_and(|near| near.point.distance(self.last) < 2.0 * OVER * unit);
+        let under = surface.closest(self.last);
+        let lies = under.is_some_and(|near| near.point.distance(self.last) < 2.0 * OVER * unit);
         let step = STEP * unit + 4.0 * beside.distance(self.last);
         let goes_on = lies && over.distance(self.last) < step;
         Some(if goes_on || far(over) < far(beside) { over } else { beside })
@@ -161,7 +164,7 @@ impl GrowingStroke {
 
 /// Puts a stroke that stays within [`MIDLINE`] of the middle of the head exactly there, where it is its own mirror
 /// image.
-pub(crate) fn put_on_midline(samples: &mut [Sample]) {
+fn put_on_midline(samples: &mut [Sample]) {
     if samples.iter().all(|s| s.position.x.abs() <= MIDLINE) {
         for sample in samples {
             sample.position.x = 0.0;

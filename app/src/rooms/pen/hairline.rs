@@ -2,7 +2,7 @@
 //!
 //! It is found once a head, as pieces of straight lines across the triangles in which the region passes one half.
 
-use super::Scene;
+use crate::core::projection::Projection;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::maths::hash::Key;
 use egui::{Color32, Painter, Stroke};
@@ -27,17 +27,17 @@ const COLOUR: Color32 = Color32::from_rgb(235, 196, 138);
 
 impl Hairline {
     /// Paints what of it faces the eye.
-    pub(super) fn paint(&mut self, painter: &Painter, scene: &Scene) {
-        let key = scene.scalp.whole();
+    pub(super) fn paint(&mut self, painter: &Painter, view: &Projection, scalp: &Scalp) {
+        let key = scalp.whole();
         if self.of != Some(key) {
-            (self.of, self.pieces) = (Some(key), pieces(scene.scalp));
+            (self.of, self.pieces) = (Some(key), pieces(scalp));
         }
-        let eye = scene.view.camera.eye;
+        let eye = view.camera.eye;
         for Piece { ends, normal } in &self.pieces {
             if (eye - ends[0]).dot(*normal) <= 0.0 {
                 continue;
             }
-            let [a, b] = ends.map(|end| scene.view.screen(end + *normal * OVER));
+            let [a, b] = ends.map(|end| view.screen(end + *normal * OVER));
             if let (Some(a), Some(b)) = (a, b) {
                 painter.line_segment([a, b], Stroke::new(1.5, COLOUR));
             }

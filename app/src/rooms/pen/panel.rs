@@ -1,6 +1,7 @@
 //! The pen's bar over the picture, and the settings of each device with a strip to try them on.
 
-use super::{HAIR_TOOLS, Pen, PenTool, edits, recipes, target};
+use super::target::{self, Fills};
+use super::{Pen, PenTool, TOOLS, edits, recipes};
 use crate::core::action::Of;
 use crate::core::event::Event;
 use crate::core::pen::{Along, Curve, Feel, MOUSE, PenSettings, TOUCH};
@@ -29,13 +30,10 @@ impl Pen {
 
     fn lines(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let mut settings = state.settings.pen.clone();
-        let on_strokes =
-            !matches!(self.tool, PenTool::Select | PenTool::Hair(_) | PenTool::Mask(_));
         ui.horizontal_wrapped(|ui| {
-            let tools = PenTool::ALL.map(|tool| (tool, tool.label(), tool.action()));
-            self.tools(&tools[..1], ui, out);
+            self.tools(|tool| tool == PenTool::Select, ui, out);
             name(ui, "Strokes", "Draw and edit strokes, for rows and guides.");
-            self.tools(&tools[1..], ui, out);
+            self.tools(PenTool::is_on_strokes, ui, out);
             let head = state.pinned.is_some() && state.pinned == target::head(&state.document);
             act(ui, head, "pen.hairline", out);
             ui.separator();
@@ -58,11 +56,7 @@ impl Pen {
                 "Hair",
                 "Implant and style hair on the head, or edit hair that the graph made.",
             );
-            let tools: Vec<_> = HAIR_TOOLS
-                .iter()
-                .map(|(tool, label, action)| (PenTool::Hair(*tool), *label, *action))
-                .collect();
-            self.tools(&tools, ui, out);
+            self.tools(|tool| matches!(tool, PenTool::Hair(_)), ui, out);
         });
         // One line whatever the tool in hand needs: the picture under it keeps its place.
         let line = egui::ScrollArea::horizontal().id_salt("pen settings line");
@@ -76,11 +70,11 @@ impl Pen {
                     self.hair_settings(tool, &mut settings, ui);
                     act(ui, settings.strands, "hair.strands", out);
                     act(ui, settings.symmetry, "pen.symmetry", out);
-                } else if on_strokes {
+                } else if self.tool.is_on_strokes() {
                     ui.separator();
                     self.tool_settings(&mut settings, ui);
                     self.height(state, ui, out);
-                    let node = target::of(state);
+                    let node = target::of(state, Fills::Strokes);
                     let mirrored =
                         node.and_then(|id| target::choice(&state.document, &id, "mirror"));
                     let on = mirrored.map_or(settings.symmetry, |word| word == "both");
@@ -95,14 +89,9 @@ impl Pen {
         }
     }
 
-    /// Tools to take up: which, what they are called, and their actions.
-    pub(super) fn tools(
-        &self,
-        tools: &[(PenTool, &'static str, &'static str)],
-        ui: &mut Ui,
-        out: &mut Vec<Event>,
-    ) {
-        for (tool, label, action) in tools {
+    /// Tools to take up.
+    pub(super) fn tools(&self, which: fn(PenTool) -> bool, ui: &mut Ui, out: &mut Vec<Event>) {
+        for (tool, label, action) in TOOLS.iter().filter(|(tool, ..)| which(*tool)) {
             let tip = named(action).map_or("", |action| action.tip);
             let chosen = theme::choice(ui, self.tool == *tool, label);
             if chosen.on_hover_text(tip).clicked() {
@@ -200,7 +189,7 @@ impl Pen {
     fn height(&self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         let scalp = state.shown.as_ref().and_then(|shown| shown.scalp());
         let (Some(scalp), Some(node), Some((id, at)), PenTool::Points) =
-            (scalp, target::of(state), self.picked.points.first(), self.tool)
+            (scalp, target::of(state, Fills::Strokes), self.picked.points.first(), self.tool)
         else {
             return;
         };

@@ -102,8 +102,7 @@ fn drawn(state: &State) -> Result<(NodeId, Vec<Edit>), &'static str> {
         return Err("the drawn hair leaves no parting");
     }
     let document = &state.document;
-    let fresh = target::Fresh { free: false, mirror: false };
-    let (node, mut edits) = target::make(document, fresh).ok_or("the graph has no head")?;
+    let (node, mut edits) = target::make(document, false).ok_or("the graph has no head")?;
     let set = |node: &NodeId, input: &str, value: Value| Edit::SetInput {
         node: node.clone(),
         input: input.to_owned(),
@@ -198,7 +197,11 @@ mod tests {
         assert!(output(state).is_none(), "nothing is found any more");
         let cut = NodeId::new("cut").unwrap();
         let strokes = state.document.wires(&cut, "lines")[0].node.clone();
-        assert_eq!(target::of(state), Some(strokes.clone()), "the pen is on the lines");
+        assert_eq!(
+            target::of(state, target::Fills::Strokes),
+            Some(strokes.clone()),
+            "the pen is on the lines"
+        );
         let scalp = state.shown.as_ref().and_then(|shown| shown.scalp()).cloned().unwrap();
         let lines = target::strokes(&state.document, &strokes);
         assert_eq!(lines.0.len(), 1);

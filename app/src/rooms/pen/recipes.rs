@@ -321,7 +321,7 @@ mod tests {
                 row(300.0).into_iter().map(|(at, p)| (at, if hair { 0.9 } else { p })).collect();
             table.draw(&row);
             table.rest();
-            while table.editor().pen.hair.is_busy() {
+            while table.editor().pen.touches.is_busy() {
                 table.rest();
             }
             assert_eq!(table.done(), 2, "{}", recipe.label);
@@ -434,8 +434,7 @@ mod tests {
     #[test]
     fn rows_are_drawn_into_idle_strokes_and_on_both_sides_where_the_pen_does() {
         let document = head();
-        let (strokes, edits) =
-            target::make(&document, target::Fresh { free: false, mirror: false }).unwrap();
+        let (strokes, edits) = target::make(&document, false).unwrap();
         let mut document = document;
         Edit::Several(edits).apply(&mut document).unwrap();
         let rows = ALL[2].edits(&document, Some(&strokes), false).unwrap();

@@ -115,7 +115,8 @@ impl Table {
     }
     fn strokes(&mut self) -> Arc<Strokes> {
         let state = &self.editor().state;
-        target::of(state).map_or_else(Arc::default, |id| target::strokes(&state.document, &id))
+        target::of(state, target::Fills::Strokes)
+            .map_or_else(Arc::default, |id| target::strokes(&state.document, &id))
     }
 }
 
@@ -149,7 +150,7 @@ fn a_stroke_drawn_with_pressure_becomes_a_curve_and_one_undo_takes_it_back() {
         strokes.0[0].samples.iter().map(|s| (s.pressure * 16.0).round() as u32).collect();
     assert!([4, 8, 16].iter().all(|level| levels.contains(level)), "{levels:?}");
     assert_eq!(table.editor().state.history.done(), 1);
-    let node = target::of(&table.editor().state).expect("a node was made");
+    let node = target::of(&table.editor().state, target::Fills::Strokes).expect("a node was made");
     assert_eq!(table.editor().state.document.wires(&node, "scalp").len(), 1);
     assert_eq!(table.editor().state.document.display, Some(node));
     // Two frames after its evaluation is done it is a curve of what is displayed, on the head where the pen was.
@@ -296,13 +297,54 @@ fn a_touch_that_hits_nothing_makes_nothing_and_says_why() {
 }
 
 #[test]
-fn a_stroke_in_space_glides_over_the_face_and_leaves_it_at_the_outline() {
+fn another_kind_of_tool_takes_back_what_is_under_way_and_leaves_what_was_lifted() {
     let mut table = draw_on(head());
+    let before = table.editor().state.document.clone();
+    for (tool, next) in
+        [("pen.draw", "mask.paint"), ("mask.paint", "hair.sketch"), ("hair.sketch", "pen.draw")]
+    {
+        for steps in [0, 1] {
+            table.editor().act(tool);
+            table.rest();
+            let places = row(300.0);
+            table.pen(Phase::Down, places[0].0, 0.9);
+            places[1..].iter().for_each(|(at, _)| table.pen(Phase::Move, *at, 0.9));
+            until("it is in the document", || {
+                table.step();
+                table.editor().state.gesture
+            });
+            if steps == 1 {
+                table.pen(Phase::Up, places[29].0, 0.0);
+                table.step();
+            }
+            table.editor().act(next);
+            table.step();
+            assert_eq!(table.done(), steps, "{tool}");
+            assert_eq!(table.editor().state.document == before, steps == 0, "{tool}");
+            assert!(!table.editor().state.gesture && !table.editor().pen.is_drawing(), "{tool}");
+            // A pen that is still down begins nothing.
+            table.pen(Phase::Up, places[29].0, 0.0);
+            table.step();
+            assert_eq!(table.done(), steps, "{tool}");
+            if steps == 1 {
+                table.editor().apply(Event::Undo);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stroke_in_space_glides_over_the_face_and_leaves_it_at_the_outline() {
+    let mut document = head();
+    let (node, mut edits) = target::make(&document, false).expect("a head");
+    let setting = Setting::Known(Value::Text("free".into()));
+    edits.push(Edit::SetInput { node, input: "project".to_owned(), setting });
+    Edit::Several(edits).apply(&mut document).expect("it is put in");
+    let mut table = draw_on(document);
     let state = &table.editor().state;
     let scalp = state.shown.as_ref().and_then(|shown| shown.scalp()).expect("a head").clone();
     let frame = *scalp.frame();
     table.look_from_the_front();
-    table.editor().pen.free = true;
     // From the crown over the forehead, an eye and a cheek, and aside off the head.
     let down = (0..30).map(|k| (Pos2::new(330.0, 110.0 + 8.0 * k as f32), 0.5));
     let off = (0..30).map(|k| (Pos2::new(330.0 + 8.0 * k as f32, 350.0), 0.5));
@@ -582,11 +624,10 @@ fn the_line_is_painted_in_the_frame_of_its_samples() {
     for k in 1..20 {
         table.pen(Phase::Move, Pos2::new(240.0 + 5.0 * k as f32, 320.0), 0.5);
         table.step();
-        let drawn = table.harness.state().pen.gesture.as_ref().map(|gesture| match &gesture.work {
-            gestures::Work::Draw(line) => line.world().len(),
-            _ => 0,
-        });
-        assert_eq!(drawn, Some(k + 1), "the line has every sample");
+        let shapes = table.harness.output().shapes.iter();
+        let is_ink = |shape: &&egui::epaint::ClippedShape| matches!(&shape.shape, egui::Shape::LineSegment { stroke, .. } if stroke.color == crate::widgets::theme::ACCENT);
+        let drawn = shapes.filter(is_ink).count();
+        assert_eq!(drawn, k, "the line leads through every sample");
         table.rest();
     }
     table.pen(Phase::Up, Pos2::new(340.0, 320.0), 0.5);

@@ -3,15 +3,15 @@
 //!
 //! Each coming action has a shape of its own beside its colour. Nothing here changes anything.
 
-use super::super::overlay::{EDGE, disc, label, line, tell};
-use super::super::{Pen, PenTool, Scene, partings};
-use super::{Hair, target, wheel};
-use crate::core::state::State;
+use super::super::overlay::{self, EDGE, label, line};
+use super::super::{Scene, partings};
+use super::touch::HairTouch;
+use super::{End, Spot, number, picks_colour, target, wheel};
+use crate::rooms::pen::devices::Input;
 use crate::widgets::theme;
 use coif_nodes::data::attributes::PINNED;
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::gestures::{Layer, Tool};
-use coif_nodes::sketch::around::ViewedCurves;
 use coif_nodes::sketch::classify::Guess;
 use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Vec2};
 use std::collections::BTreeMap;
@@ -62,84 +62,54 @@ impl Coming {
     }
 }
 
-/// The curves that the pen works on now.
-pub(super) fn curves(state: &State) -> Option<Curves> {
-    let shown = state.shown.as_ref()?;
-    let value = |socket| shown.curves_of(&socket).cloned();
-    match target::of(state) {
-        Some(node) => value(target::output(&node)),
-        None => target::sources(state).into_iter().find_map(value),
-    }
+/// What lies under a touch: the partings that are found between hair, and pins.
+pub(in super::super) fn under(painter: &Painter, scene: &Scene) {
+    partings::paint(painter, scene);
+    pins(painter, scene);
 }
 
-impl Pen {
-    /// Paints over the picture while the pen works on hair.
-    pub(in super::super) fn paint_hair(&self, ui: &egui::Ui, scene: &Scene) {
-        let PenTool::Hair(tool) = self.tool else { return };
-        let painter = ui.painter_at(scene.view.rect);
-        let curves = curves(scene.state).unwrap_or_default();
-        partings::paint(&painter, scene);
-        paint_pins(&painter, scene, &curves);
-        self.hair.paint_changed(&painter, scene, &curves);
-        self.hair.paint_touch(&painter);
-        if let Some(input) = self.hover.filter(|_| !self.hair.is_drawing()) {
-            let view = super::seen_from(scene.view, scene.scalp.frame());
-            let rho =
-                target::number(&scene.state.document, target::of(scene.state).as_ref(), "rho");
-            let ground = ViewedCurves::new(&view, scene.scalp, &curves, rho);
-            let at = super::pixel(scene.view, input.sample.pos);
-            let mouse = super::is_mouse(&input.sample);
-            let eraser = input.sample.tool == super::End::Eraser;
-            let picks = tool.is_none() && !eraser && wheel::is_free(&ground, at, rho);
-            if picks {
-                wheel::paint(&painter, scene, input.sample.pos, None);
-            }
-            let level = self.hair.level_to_come(tool, eraser, mouse, &ground, at);
-            let coming = if picks { Coming::Plain } else { coming(tool, eraser, level) };
-            if coming == Coming::Lengthen
-                && let Some((id, _)) = ground.end(at)
-            {
-                tint(&painter, scene, &curves, id);
-            }
-            if tool == Some(Tool::Point) {
-                points(&painter, scene, &curves, input.sample.pos, rho);
-            }
-            let radius =
-                target::number(&scene.state.document, target::of(scene.state).as_ref(), "radius")
-                    * scene.scalp.frame().unit();
-            let brush = has_brush(tool) && (tool.is_some() || coming == Coming::Style);
-            let brush = brush.then(|| scene.state.settings.pen.hair_brush());
-            if let (Coming::Implant, Some(hit)) = (coming, ground.skin(at)) {
-                let mut ring: Vec<Pos2> =
-                    disc(scene.scalp, hit.point, hit.triangle, hit.bary, radius)
-                        .iter()
-                        .filter_map(|p| scene.view.screen(*p))
-                        .collect();
-                ring.extend(ring.first().copied());
-                line(&painter, ring, Stroke::new(1.5, GROW));
-            }
-            if let Some(brush) = brush {
-                let depth = scene.view.depth(scene.scalp.frame().origin);
-                let radius = brush / scene.view.cm_per_point(depth).max(1e-6);
-                painter.circle_stroke(input.sample.pos, radius, Stroke::new(3.0, EDGE));
-                painter.circle_stroke(input.sample.pos, radius, Stroke::new(1.5, STYLE));
-            }
-            cursor(&painter, input.sample.pos, coming, level);
-        }
-        if let Some((middle, pen)) = self.hair.wheel {
-            wheel::paint(&painter, scene, middle, Some(pen));
-        }
-        tell(ui, &painter, scene.view.rect, self.hair.said.as_ref());
-        let name = target::of(scene.state);
-        let name = name.as_ref().map(|node| scene.state.document.name_of(node));
-        let words =
-            format!("{}: {}", self.tool.label(), name.as_deref().unwrap_or("new hair sketch"));
-        let at = scene.view.rect.right_top() + Vec2::new(-12.0, 12.0);
-        label(&painter, at, Align2::RIGHT_TOP, &words);
-        if ui.rect_contains_pointer(scene.view.rect) {
-            ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
-        }
+/// What the coming touch would do, at the pen.
+pub(in super::super) fn cursor(
+    tool: Option<Tool>,
+    input: &Input,
+    painter: &Painter,
+    scene: &Scene,
+) {
+    let (pen, end) = (input.sample.pos, input.sample.tool);
+    let curves = curves(scene);
+    let spot = Spot::of(scene, pen);
+    let ground = spot.ground(scene, &curves);
+    let level = scene.hair.depth(tool, end, &ground, spot.at);
+    let picks = picks_colour(tool, end, &ground, &spot);
+    let coming = if picks { Coming::Plain } else { coming(tool, end, level) };
+    if picks {
+        wheel::paint(painter, scene, pen, None);
     }
+    if let (Coming::Lengthen, Some((id, _))) = (coming, ground.end(spot.at)) {
+        tint(painter, scene, &curves, id);
+    }
+    if tool == Some(Tool::Point) {
+        points(painter, scene, &curves, pen, spot.rho);
+    }
+    if coming == Coming::Implant {
+        let radius = number(scene, "radius") * scene.scalp.frame().unit();
+        overlay::brush(painter, scene, pen, radius, GROW);
+    }
+    if has_brush(tool) && (tool.is_some() || coming == Coming::Style) {
+        painter.circle_stroke(pen, brush(scene), Stroke::new(3.0, EDGE));
+        painter.circle_stroke(pen, brush(scene), Stroke::new(1.5, STYLE));
+    }
+    mark(painter, pen, coming, level);
+}
+
+fn curves(scene: &Scene) -> Curves {
+    target::curves(scene.state, scene.node.as_ref()).unwrap_or_default()
+}
+
+/// Radius of the brush in the picture, points.
+pub(super) fn brush(scene: &Scene) -> f32 {
+    let depth = scene.view.depth(scene.scalp.frame().origin);
+    scene.state.settings.pen.hair_brush() / scene.view.cm_per_point(depth).max(1e-6)
 }
 
 /// Whether a tool works with a brush of some size, or may.
@@ -149,8 +119,8 @@ pub(in super::super) fn has_brush(tool: Option<Tool>) -> bool {
 }
 
 /// What a touch would do, as far as can be told before it.
-fn coming(tool: Option<Tool>, eraser: bool, level: Option<Layer>) -> Coming {
-    match (tool, eraser, level) {
+fn coming(tool: Option<Tool>, end: End, level: Option<Layer>) -> Coming {
+    match (tool, end == End::Eraser, level) {
         (Some(tool), ..) => Coming::of(tool),
         (None, true, _) => Coming::Cut,
         (None, false, Some(Layer::Nearest)) => Coming::Lengthen,
@@ -160,70 +130,44 @@ fn coming(tool: Option<Tool>, eraser: bool, level: Option<Layer>) -> Coming {
     }
 }
 
-impl Hair {
-    /// Whether a stroke is being drawn.
-    pub(in super::super) fn is_drawing(&self) -> bool {
-        self.wheel.is_some() || self.touch.as_ref().is_some_and(|touch| !touch.lifted)
+/// The stroke as it is drawn, what it is taken for, and what it has changed so far.
+pub(super) fn touch(touch: &HairTouch, painter: &Painter, scene: &Scene) {
+    let (colour, word) = match touch.guess {
+        Guess::Is(tool) => (Coming::of(tool).colour(), tool.word()),
+        Guess::Unsure(_) => (theme::TEXT, ""),
+    };
+    if touch.told.is_some() {
+        changed(&touch.before, colour, painter, scene);
     }
-
-    /// How deep a touch would reach, where that is known before it.
-    fn level_to_come(
-        &self,
-        tool: Option<Tool>,
-        eraser: bool,
-        mouse: bool,
-        ground: &ViewedCurves,
-        at: glam::Vec2,
-    ) -> Option<Layer> {
-        match (tool, self.level) {
-            (Some(Tool::Implant | Tool::Silhouette | Tool::Scatter), _) => Some(Layer::Scalp),
-            (Some(Tool::Lengthen | Tool::Pin | Tool::Point | Tool::Redraw), _) => {
-                Some(Layer::Nearest)
-            }
-            (None, None) if mouse => Some(super::level_of_mouse(ground, at, eraser)),
-            (_, level) => level,
+    let places: Vec<Pos2> = touch.line.places().collect();
+    let faint = colour.gamma_multiply(if touch.lifted { 0.25 } else { 0.6 });
+    for (pair, sample) in places.windows(2).zip(&touch.line.samples) {
+        let width = 1.0 + 3.0 * sample.pressure;
+        painter.line_segment([pair[0], pair[1]], Stroke::new(width, faint));
+    }
+    if let (Some(at), false) = (places.last(), touch.lifted) {
+        ring(painter, *at, Some(touch.layer()), colour);
+        if !word.is_empty() {
+            label(painter, *at + Vec2::new(18.0, -26.0), Align2::LEFT_CENTER, word);
         }
     }
+}
 
-    /// The curves that the touch has changed so far: the picture of their hair comes a little later.
-    fn paint_changed(&self, painter: &Painter, scene: &Scene, curves: &Curves) {
-        let Some(touch) = self.touch.as_ref().filter(|touch| touch.told.is_some()) else { return };
-        let was: BTreeMap<u64, (&Tuft, usize)> =
-            touch.before.each().map(|(tuft, i)| (tuft.id(i), (tuft, i))).collect();
-        let changed = curves.each().filter(|(tuft, i)| {
-            was.get(&tuft.id(*i)).is_none_or(|(old, k)| {
-                old.curve(*k) != tuft.curve(*i)
-                    || old.len() == 1 && tuft.len() == 1 && old.key() != tuft.key()
-            })
-        });
-        let colour =
-            if let Guess::Is(tool) = touch.guess { Coming::of(tool).colour() } else { GROW };
-        for (tuft, i) in changed.take(MOST_LINES) {
-            let places: Vec<Pos2> =
-                tuft.curve(i).iter().filter_map(|p| scene.view.screen(*p)).collect();
-            line(painter, places, Stroke::new(1.0, colour.gamma_multiply(0.5)));
-        }
-    }
-
-    /// The stroke as it is drawn, and what it is taken for.
-    fn paint_touch(&self, painter: &Painter) {
-        let Some(touch) = &self.touch else { return };
-        let (colour, word) = match touch.guess {
-            Guess::Is(tool) => (Coming::of(tool).colour(), tool.word()),
-            Guess::Unsure(_) => (theme::TEXT, ""),
-        };
-        let places: Vec<Pos2> = touch.line().collect();
-        let faint = colour.gamma_multiply(if touch.lifted { 0.25 } else { 0.6 });
-        for (pair, sample) in places.windows(2).zip(&touch.samples) {
-            let width = 1.0 + 3.0 * sample.pressure;
-            painter.line_segment([pair[0], pair[1]], Stroke::new(width, faint));
-        }
-        if let (Some(at), false) = (places.last(), touch.lifted) {
-            ring(painter, *at, Some(touch.layer()), colour);
-            if !word.is_empty() {
-                label(painter, *at + Vec2::new(18.0, -26.0), Align2::LEFT_CENTER, word);
-            }
-        }
+/// The curves that are not as they were: the picture of their hair comes a little later.
+fn changed(before: &Curves, colour: Color32, painter: &Painter, scene: &Scene) {
+    let curves = curves(scene);
+    let was: BTreeMap<u64, (&Tuft, usize)> =
+        before.each().map(|(tuft, i)| (tuft.id(i), (tuft, i))).collect();
+    let changed = curves.each().filter(|(tuft, i)| {
+        was.get(&tuft.id(*i)).is_none_or(|(old, k)| {
+            old.curve(*k) != tuft.curve(*i)
+                || old.len() == 1 && tuft.len() == 1 && old.key() != tuft.key()
+        })
+    });
+    for (tuft, i) in changed.take(MOST_LINES) {
+        let places: Vec<Pos2> =
+            tuft.curve(i).iter().filter_map(|p| scene.view.screen(*p)).collect();
+        line(painter, places, Stroke::new(1.0, colour.gamma_multiply(0.5)));
     }
 }
 
@@ -245,7 +189,7 @@ fn ring(painter: &Painter, at: Pos2, level: Option<Layer>, colour: Color32) {
 }
 
 /// The shape of what is to come, in the ring of its level.
-fn cursor(painter: &Painter, at: Pos2, coming: Coming, level: Option<Layer>) {
+fn mark(painter: &Painter, at: Pos2, coming: Coming, level: Option<Layer>) {
     let colour = coming.colour();
     ring(painter, at, level, colour);
     let stroke = |from: [f32; 2], to: [f32; 2]| {
@@ -298,7 +242,8 @@ fn hairpin(painter: &Painter, at: Pos2, colour: Color32) {
 }
 
 /// Hairpins where CVs hold their place.
-fn paint_pins(painter: &Painter, scene: &Scene, curves: &Curves) {
+fn pins(painter: &Painter, scene: &Scene) {
+    let curves = curves(scene);
     let view = super::seen_from(scene.view, scene.scalp.frame());
     let seen = coif_nodes::sketch::seen::Seen::new(&view, scene.scalp.frame());
     for (tuft, i) in curves.each().filter(|(tuft, _)| tuft.attribute(PINNED.name).is_some()) {

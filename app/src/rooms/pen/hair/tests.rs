@@ -4,6 +4,7 @@ mod fine;
 mod styles;
 
 use super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
+use super::super::target::{Fills, gestures, of};
 use super::super::tests::{Table, draw_on, head};
 use super::target;
 use crate::testing::until;
@@ -40,7 +41,7 @@ impl Salon {
     fn rest(&mut self) {
         until("the touch ends", || {
             self.0.rest();
-            !self.0.editor().pen.hair.is_busy()
+            !self.0.editor().pen.touches.is_busy()
         });
     }
     fn line(from: [f32; 2], to: [f32; 2]) -> Vec<Pos2> {
@@ -73,12 +74,12 @@ impl Salon {
         self.rest();
     }
     fn node(&mut self) -> Option<NodeId> {
-        target::of(&self.0.editor().state)
+        of(&self.0.editor().state, Fills::Hair)
     }
     fn gestures(&mut self) -> Arc<Gestures> {
         let node = self.node();
         let document = &self.0.editor().state.document;
-        node.map_or_else(Arc::default, |id| target::gestures(document, &id))
+        node.map_or_else(Arc::default, |id| gestures(document, &id))
     }
     /// The curves of the sketch as they are shown.
     fn curves(&mut self) -> Curves {
@@ -218,7 +219,7 @@ fn the_paper_grammar_combs_lengthens_cuts_twists_frizzes_and_pins() {
         salon.tools(),
         [Implant, Lengthen, Comb, Pin, Cut, Density, Twist, Frizz],
         "{:?}",
-        salon.0.editor().pen.hair.said
+        salon.0.editor().pen.said
     );
     let words: Vec<String> =
         salon.0.editor().state.history.steps().map(|step| step.words.clone()).collect();
@@ -252,7 +253,7 @@ fn a_touch_that_does_nothing_changes_nothing_and_says_why() {
         (Salon::line([200.0, 300.0], [150.0, 300.0]), MIDDLE, End::Eraser, "crosses no hair"),
     ] {
         salon.draw_with(&places, pressure, end);
-        let said = salon.0.editor().pen.hair.said.clone().expect("a word").text;
+        let said = salon.0.editor().pen.said.clone().expect("a word").text;
         assert!(said.contains(why), "{said}");
         assert_eq!(salon.0.editor().state.document, before, "{why}");
         assert_eq!(salon.0.done(), 1, "{why}");
@@ -457,7 +458,7 @@ fn copies_and_outlined_locks_are_planted_in_one_step_each() {
         Pos2::new(210.0 + 30.0 * turn.sin(), 260.0 - 90.0 * turn.cos())
     };
     salon.draw(&(0..=60).map(leaf).collect::<Vec<_>>(), MIDDLE);
-    assert_eq!(salon.curves().curve_count(), count + 1, "{:?}", salon.0.editor().pen.hair.said);
+    assert_eq!(salon.curves().curve_count(), count + 1, "{:?}", salon.0.editor().pen.said);
     assert_eq!(salon.tools(), [Tool::Implant, Tool::Scatter, Tool::Silhouette]);
     assert_eq!(salon.0.done(), 3);
 }

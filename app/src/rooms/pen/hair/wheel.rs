@@ -6,6 +6,11 @@
 
 use super::super::Scene;
 use super::super::overlay::EDGE;
+use super::super::sample::{PenSample, Phase};
+use super::super::target::Fills;
+use super::super::touch::{Outcome, Touch, TouchStep, Work};
+use super::touch::STILL;
+use crate::core::event::Event;
 use coif_nodes::maths::hair_colour::{absorption_of_melanin, colour_of};
 use coif_nodes::sketch::around::ViewedCurves;
 use egui::{Color32, Mesh, Painter, Pos2, Rgba, Shape, Stroke, Vec2};
@@ -18,6 +23,39 @@ const GROWN: f32 = 0.72;
 /// Spokes and rings that it is painted with.
 const SPOKES: usize = 48;
 const RINGS: usize = 10;
+
+/// The wheel while it is pressed: where it was pressed down, and where the pen is on it.
+struct Wheel {
+    middle: Pos2,
+    at: Pos2,
+}
+
+/// A touch that picks a colour, for the sketch that is there or would be made.
+pub(super) fn touch(at: Pos2, scene: &Scene) -> Touch {
+    let id = || scene.state.document.free_id(Fills::Hair.kind());
+    let node = scene.node.clone().unwrap_or_else(id);
+    Touch::new((node, vec![]), Fills::Hair, "", Wheel { middle: at, at }, scene)
+}
+
+impl Work for Wheel {
+    fn go_on(&mut self, sample: &PenSample, _: &Scene) {
+        if sample.phase == Phase::Move {
+            self.at = sample.pos;
+        }
+    }
+    /// A tap picks nothing.
+    fn end(&mut self, _: &mut TouchStep, scene: &mut Scene) -> Outcome {
+        if self.at.distance(self.middle) > STILL {
+            let mut settings = scene.state.settings.clone();
+            settings.pen.hair_colour = colour(self.at - self.middle);
+            scene.out.push(Event::Settings(settings.into()));
+        }
+        Outcome::Nothing
+    }
+    fn paint(&self, painter: &Painter, scene: &Scene) {
+        paint(painter, scene, self.middle, Some(self.at));
+    }
+}
 
 /// The colour at a place off the wheel's middle; none where it is the hair's own.
 pub(super) fn colour(off: Vec2) -> Option<[u8; 3]> {

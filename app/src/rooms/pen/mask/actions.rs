@@ -1,14 +1,14 @@
 //! What can be done by name while masks are painted.
 
 use super::super::actions::taken_up;
-use super::{Mode, take_up};
 use crate::core::action::{Action, Of, always};
-use crate::rooms::pen::Pen;
+use crate::rooms::pen::{Pen, PenTool};
+use coif_nodes::data::strokes::Mode;
 
 /// A tool that is taken up.
 macro_rules! paints {
     ($id:literal, $mode:ident, $label:literal, $tip:literal, $words:literal) => {
-        taken_up($id, $label, $tip, $words, |pen, _, _| take_up(pen, Mode::$mode))
+        taken_up($id, $label, $tip, $words, |pen, _, _| pen.tool = PenTool::Mask(Mode::$mode))
     };
 }
 

@@ -10,38 +10,19 @@ pub(crate) mod actions;
 mod heat;
 pub(super) mod target;
 
-use super::devices::Input;
-use super::drawing::on_scalp;
-use super::overlay::{disc, label, line};
+use super::drawing::{on_scalp, skin};
+use super::overlay::line;
 use super::sample::{PenSample as Report, Phase, Tool as End};
+use super::target::Fills;
+use super::touch::{Begun, DrawnItem, Outcome, Touch, TouchStep, Wanted, Work};
 use super::{Pen, PenTool, Scene};
 use crate::core::event::Event;
-use crate::core::notes::Note;
-use crate::core::state::{Select, State};
 use crate::widgets::theme;
-use coif_graphs::document::NodeId;
-use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::finish;
-use coif_nodes::data::strokes::{Brush, Mode, Sample, Stroke};
-use egui::{Align2, Key, Pos2, Ui, Vec2};
+use coif_nodes::data::strokes::{Brush, Mode, Sample};
+use egui::{Painter, Ui};
 use glam::Vec3;
 use heat::Heat;
-
-/// Tools that paint, as they stand in the bar: what they are called, and their actions.
-pub(crate) const TOOLS: &[(Mode, &str, &str)] = &[
-    (Mode::Paint, "Paint", "mask.paint"),
-    (Mode::Erase, "Erase mask", "mask.erase"),
-    (Mode::Smooth, "Smooth mask", "mask.smooth"),
-    (Mode::Flood, "Flood", "mask.flood"),
-];
-
-/// What the bar says of a mode, and its action.
-pub(super) fn tool(mode: Mode) -> (&'static str, &'static str) {
-    TOOLS
-        .iter()
-        .find(|(own, ..)| *own == mode)
-        .map_or(("", ""), |(_, label, action)| (label, action))
-}
 
 /// The most samples of one stroke. What comes after is not painted.
 const MOST: usize = 240_000;
@@ -53,23 +34,17 @@ pub(crate) struct Mask {
     pub(crate) closed: bool,
     /// Whether strokes keep to the section that they begin in. Floods always do.
     pub(crate) by_section: bool,
-    touch: Option<Touch>,
     heat: Heat,
 }
 
-/// A touch under way.
-struct Touch {
-    node: NodeId,
-    /// What makes the node, where there was none.
-    make: Vec<Edit>,
-    begun: bool,
+/// A stroke of the brush.
+struct Painting {
     brush: Brush,
     /// Where it was on the head last, cm.
     last: Vec3,
     samples: Vec<Sample>,
     /// Id of the stroke, once it has one.
     id: u64,
-    told: Option<Stroke>,
 }
 
 /// To the hundredth: shorter in files, and nobody sees the difference.
@@ -77,104 +52,47 @@ fn rounded(x: f32) -> f32 {
     (x * 100.0).round() / 100.0
 }
 
-impl Mask {
-    /// Whether a stroke is being painted.
-    pub(super) fn is_drawing(&self) -> bool {
-        self.touch.is_some()
-    }
+/// What a touch begins; nothing beside the head.
+pub(super) fn begin(mode: Mode, report: &Report, scene: &mut Scene) -> Begun {
+    let Some(hit) = skin(scene.scalp, scene.view, report.pos) else { return Ok(None) };
+    let made = scene.node.clone().map(|node| (node, vec![]));
+    let made = made.or_else(|| target::make(&scene.state.document));
+    let made = made.ok_or("there is no head to paint on: add a head to the graph")?;
+    let mode = if report.tool == End::Eraser { Mode::Erase } else { mode };
+    let brush = brush(mode, hit.point, scene);
+    let mut painting = Painting { brush, last: hit.point, samples: vec![], id: 0 };
+    painting.go_on(report, scene);
+    Ok(Some(Touch::new(made, Fills::Mask, "mask painted", painting, scene)))
+}
 
-    /// A touch under way never was.
-    pub(super) fn stop(&mut self, out: &mut Vec<Event>) {
-        if self.touch.take().is_some_and(|touch| touch.begun) {
-            out.push(Event::Abort);
-        }
-    }
-
-    /// One frame: `free` tells where a touch may begin.
-    fn ui(&mut self, mode: Mode, inputs: Vec<(Input, bool)>, scene: &mut Scene) {
-        if self.touch.as_ref().is_some_and(|touch| touch.is_orphaned(scene.state)) {
-            self.touch = None;
-        }
-        for (input, free) in inputs {
-            let report = &input.sample;
-            match (report.phase, &mut self.touch) {
-                (Phase::Down, None) if free => self.touch = self.begin(mode, report, scene),
-                (Phase::Move, Some(touch)) => touch.go_on(report, scene),
-                (Phase::Up, Some(_)) => {
-                    if let Some(mut touch) = self.touch.take() {
-                        touch.flush(scene);
-                        scene.out.push(Event::EndAs(touch.words()));
-                    }
-                }
-                (Phase::Out, Some(_)) => self.stop(scene.out),
-                _ => {}
-            }
-        }
-        if let Some(touch) = self.touch.as_mut().filter(|_| super::ready(scene.state)) {
-            touch.flush(scene);
-        }
-    }
-
-    /// What a touch begins; nothing beside the head.
-    fn begin(&self, mode: Mode, report: &Report, scene: &mut Scene) -> Option<Touch> {
-        let ray = scene.view.ray(report.pos);
-        let hit = scene.scalp.surface().ray(ray.origin, ray.direction, f32::MAX)?;
-        let (node, make) = match target::of(scene.state) {
-            Some(node) => (node, vec![]),
-            None => {
-                let made = target::make(scene.state);
-                if made.is_none() {
-                    let note = "there is no head to paint on: add a head to the graph";
-                    scene.out.push(Event::Say(Note::warning(note)));
-                }
-                made?
-            }
-        };
-        let settings = &scene.state.settings.pen;
-        let mode = if report.tool == End::Eraser { Mode::Erase } else { mode };
-        let parted = target::scalp(scene.state, Some(&node)).unwrap_or(scene.scalp);
-        let section = parted.sections().filter(|_| self.by_section || mode == Mode::Flood);
-        let section = section.and_then(|all| {
-            let number = all.at(hit.point)?.section;
-            Some(all.list().get(number as usize)?.name.clone())
-        });
-        let (low, high) = Brush::RADII;
-        let radius = settings.brush() / scene.scalp.frame().unit();
-        let mut touch = Touch {
-            node,
-            make,
-            begun: false,
-            brush: Brush {
-                mode,
-                radius: rounded(radius).clamp(low, high),
-                strength: rounded(settings.strength()).clamp(0.0, 1.0),
-                mirrored: settings.symmetry,
-                closed: self.closed && mode != Mode::Smooth && mode != Mode::Flood,
-                section: section.unwrap_or_default(),
-            },
-            last: hit.point,
-            samples: vec![],
-            id: 0,
-            told: None,
-        };
-        touch.go_on(report, scene);
-        Some(touch)
+/// The brush of a stroke that begins at a place of the head.
+fn brush(mode: Mode, at: Vec3, scene: &Scene) -> Brush {
+    let settings = &scene.state.settings.pen;
+    let parted = target::scalp(scene.state, scene.node.as_ref()).unwrap_or(scene.scalp);
+    let section = parted.sections().filter(|_| scene.mask.by_section || mode == Mode::Flood);
+    let section = section.and_then(|all| {
+        let number = all.at(at)?.section;
+        Some(all.list().get(number as usize)?.name.clone())
+    });
+    let (low, high) = Brush::RADII;
+    let radius = settings.brush() / scene.scalp.frame().unit();
+    Brush {
+        mode,
+        radius: rounded(radius).clamp(low, high),
+        strength: rounded(settings.strength()).clamp(0.0, 1.0),
+        mirrored: settings.symmetry,
+        closed: scene.mask.closed && mode != Mode::Smooth && mode != Mode::Flood,
+        section: section.unwrap_or_default(),
     }
 }
 
-impl Touch {
-    /// Whether somebody has ended or undone what it has begun.
-    fn is_orphaned(&self, state: &State) -> bool {
-        self.begun && (!state.gesture || !state.document.nodes.contains_key(self.node.as_str()))
-    }
-
-    /// The next sample. A flood has one.
+impl Work for Painting {
+    /// A flood has one sample, and the pen paints no more when it is lifted.
     fn go_on(&mut self, report: &Report, scene: &Scene) {
-        let done = self.brush.mode == Mode::Flood && !self.samples.is_empty();
-        if done || self.samples.len() >= MOST {
-            return;
-        }
-        let Some(at) = on_scalp(scene.scalp, scene.view, report.pos, self.last) else { return };
+        let flooded = self.brush.mode == Mode::Flood && !self.samples.is_empty();
+        let done = report.phase == Phase::Up || flooded || self.samples.len() >= MOST;
+        let at = on_scalp(scene.scalp, scene.view, report.pos, self.last);
+        let Some(at) = at.filter(|_| !done) else { return };
         self.last = at;
         let mouse = matches!(report.tool, End::Mouse | End::Finger);
         let pressure = if mouse || self.brush.closed { 1.0 } else { report.pressure };
@@ -184,36 +102,17 @@ impl Touch {
             self.samples.push(Sample { position, pressure, ..Sample::default() });
         }
     }
-
-    /// Tells the document what has changed since it was told last.
-    fn flush(&mut self, scene: &mut Scene) {
-        let others = target::strokes(&scene.state.document, &self.node);
-        let Some(mut stroke) = finish(&self.samples, &others) else { return };
-        if self.id == 0 {
-            self.id = stroke.id;
-        }
-        (stroke.id, stroke.brush) = (self.id, Some(self.brush.clone()));
-        if self.told.as_ref() == Some(&stroke) {
-            return;
-        }
-        if !self.begun {
-            self.begun = true;
-            scene.out.push(Event::Begin("mask painted".to_owned()));
-            if !self.make.is_empty() {
-                scene.out.extend(std::mem::take(&mut self.make).into_iter().map(Event::Edit));
-                scene.out.push(Event::Select(Select::Nodes(vec![self.node.clone()])));
-            }
-        }
-        let (node, input) = (self.node.clone(), target::STROKES.to_owned());
-        let edit = match self.told.replace(stroke.clone()) {
-            Some(_) => Edit::ReplaceStroke { node, input, stroke },
-            None => Edit::AddStroke { node, input, at: usize::MAX, stroke },
-        };
-        scene.out.push(Event::Edit(edit));
+    fn wants(&mut self, _: &TouchStep, scene: &Scene) -> Wanted {
+        let stroke = finish(&self.samples, &scene.strokes).map(|mut stroke| {
+            // It keeps the first id that it got.
+            self.id = if self.id == 0 { stroke.id } else { self.id };
+            (stroke.id, stroke.brush) = (self.id, Some(self.brush.clone()));
+            (self.id, Some(DrawnItem::Stroke(stroke)))
+        });
+        stroke.into_iter().collect()
     }
-
-    /// What its step is called.
-    fn words(&self) -> String {
+    fn end(&mut self, step: &mut TouchStep, scene: &mut Scene) -> Outcome {
+        step.tell(self.wants(step, scene), scene);
         let verb = match (self.brush.mode, self.brush.closed) {
             (Mode::Erase, _) => "erased mask",
             (_, true) => "drew a hairline",
@@ -222,68 +121,30 @@ impl Touch {
             (Mode::Flood, _) => "flooded mask",
         };
         let section = &self.brush.section;
-        if section.is_empty() { verb.to_owned() } else { format!("{verb} in {section}") }
+        step.words =
+            if section.is_empty() { verb.to_owned() } else { format!("{verb} in {section}") };
+        Outcome::Done
+    }
+    /// The line that is closed.
+    fn paint(&self, painter: &Painter, scene: &Scene) {
+        let places = self.samples.iter().chain(self.samples.first());
+        let places = places.filter_map(|s| scene.view.screen(scene.scalp.place(s.position)));
+        if self.brush.closed {
+            line(painter, places.collect(), egui::Stroke::new(1.5, theme::ACCENT));
+        }
     }
 }
 
+/// What lies under a touch: heat on the head.
+pub(super) fn under(painter: &Painter, scene: &mut Scene) {
+    let field = scene.node.as_ref().and_then(|node| target::field(scene.state, node));
+    if scene.mask.heat.follow(field, scene.scalp) {
+        painter.ctx().request_repaint();
+    }
+    scene.mask.heat.paint(painter, scene.view);
+}
+
 impl Pen {
-    /// One frame with a tool that paints in hand.
-    pub(super) fn on_mask(
-        &mut self,
-        mode: Mode,
-        inputs: Vec<Input>,
-        ui: &egui::Ui,
-        mut scene: Scene,
-        free: &dyn Fn(Pos2) -> bool,
-    ) {
-        let ctx = ui.ctx();
-        if ctx.input(|input| input.key_down(Key::Escape)) {
-            self.mask.stop(scene.out);
-        }
-        let told = self.told(inputs, ctx, free);
-        self.mask.ui(mode, told, &mut scene);
-        self.paint_mask(mode, ui, &scene);
-        if self.mask.is_drawing() {
-            ctx.request_repaint();
-        }
-    }
-
-    /// Heat on the head, the brush under the pen, and what is painted on.
-    fn paint_mask(&mut self, mode: Mode, ui: &egui::Ui, scene: &Scene) {
-        let painter = ui.painter_at(scene.view.rect);
-        let node = target::of(scene.state);
-        let field = node.as_ref().and_then(|node| target::field(scene.state, node));
-        if self.mask.heat.follow(field, scene.scalp) {
-            ui.ctx().request_repaint();
-        }
-        self.mask.heat.paint(&painter, scene.view);
-        if let Some(touch) = self.mask.touch.as_ref().filter(|touch| touch.brush.closed) {
-            let places = touch.samples.iter().chain(touch.samples.first());
-            let places = places.filter_map(|s| scene.view.screen(scene.scalp.place(s.position)));
-            line(&painter, places.collect(), egui::Stroke::new(1.5, theme::ACCENT));
-        }
-        if let Some(input) = self.hover.filter(|_| mode != Mode::Flood) {
-            let ray = scene.view.ray(input.sample.pos);
-            let surface = scene.scalp.surface();
-            if let Some(hit) = surface.ray(ray.origin, ray.direction, f32::MAX) {
-                let radius = scene.state.settings.pen.brush();
-                let disc = disc(scene.scalp, hit.point, hit.triangle, hit.bary, radius);
-                let mut ring: Vec<Pos2> =
-                    disc.iter().filter_map(|p| scene.view.screen(*p)).collect();
-                ring.extend(ring.first().copied());
-                line(&painter, ring, egui::Stroke::new(1.5, theme::ACCENT));
-            }
-        }
-        let name = node.as_ref().map(|node| scene.state.document.name_of(node));
-        let words =
-            format!("{}: {}", self.tool.label(), name.as_deref().unwrap_or("new paint mask"));
-        let at = scene.view.rect.right_top() + Vec2::new(-12.0, 12.0);
-        label(&painter, at, Align2::RIGHT_TOP, &words);
-        if ui.rect_contains_pointer(scene.view.rect) {
-            ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
-        }
-    }
-
     /// The row of the bar with the tools that paint, and what they need.
     pub(super) fn mask_bar(
         &mut self,
@@ -291,11 +152,7 @@ impl Pen {
         ui: &mut Ui,
         out: &mut Vec<Event>,
     ) {
-        let tools: Vec<_> = TOOLS
-            .iter()
-            .map(|(mode, label, action)| (PenTool::Mask(*mode), *label, *action))
-            .collect();
-        self.tools(&tools, ui, out);
+        self.tools(|tool| matches!(tool, PenTool::Mask(_)), ui, out);
         let PenTool::Mask(mode) = self.tool else { return };
         ui.separator();
         let mut number = |value: &mut f32, range, prefix: &str, unit: &str, tip: &str| {
@@ -322,11 +179,6 @@ impl Pen {
                 .on_hover_text("Treat each stroke as a closed outline and paint its inside.");
         }
     }
-}
-
-/// Takes up a tool that paints.
-pub(super) fn take_up(pen: &mut Pen, mode: Mode) {
-    pen.tool = PenTool::Mask(mode);
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The pen on masks in the editor: samples in; strokes, heat, hair and undo steps out.
 
 use super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
+use super::super::target::{Fills, of, strokes};
 use super::super::tests::{Table, draw_on, head};
 use super::target;
 use crate::testing::until;
@@ -44,12 +45,12 @@ impl Studio {
         self.0.rest();
     }
     fn node(&mut self) -> Option<NodeId> {
-        target::of(&self.0.editor().state)
+        of(&self.0.editor().state, Fills::Mask)
     }
     fn strokes(&mut self) -> Arc<Strokes> {
         let node = self.node();
         let document = &self.0.editor().state.document;
-        node.map_or_else(Arc::default, |id| target::strokes(document, &id))
+        node.map_or_else(Arc::default, |id| strokes(document, &id))
     }
     fn modes(&mut self) -> Vec<Mode> {
         let strokes = self.strokes();

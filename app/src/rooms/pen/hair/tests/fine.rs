@@ -116,12 +116,12 @@ fn an_implant_where_a_groom_grows_no_hair_is_not_kept_and_says_why() {
     let before = salon.0.editor().state.document.clone();
     // On the cheek.
     salon.draw(&Salon::line([350.0, 420.0], [360.0, 470.0]), MIDDLE);
-    let said = salon.0.editor().pen.hair.said.clone().expect("a word").text;
+    let said = salon.0.editor().pen.said.clone().expect("a word").text;
     assert!(said.contains("No hair grows here"), "{said}");
     assert_eq!((salon.0.done(), salon.0.editor().state.document == before), (0, true));
     // Where hair grows it is one.
     salon.draw(&Salon::line([300.0, 120.0], [330.0, 180.0]), MIDDLE);
-    assert_eq!(salon.words(), "implanted a cluster", "{:?}", salon.0.editor().pen.hair.said);
+    assert_eq!(salon.words(), "implanted a cluster", "{:?}", salon.0.editor().pen.said);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! script draws, to within what other windows and fonts make of it.
 
 use super::super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
+use super::super::super::target::{self as filled, Fills};
 use super::super::super::tests::{Table, draw_on, head};
 use super::super::target;
 use crate::core::event::Event;
@@ -135,7 +136,7 @@ impl Hand {
     fn rest(&mut self) {
         loop {
             self.table.rest();
-            if !self.table.editor().pen.hair.is_busy() {
+            if !self.table.editor().pen.touches.is_busy() {
                 return;
             }
         }
@@ -217,7 +218,7 @@ impl Hand {
     fn curves(&mut self) -> Vec<Vec<Vec3>> {
         let frame = *self.scalp.frame();
         let state = &self.table.editor().state;
-        let node = target::of(state).expect("a sketch");
+        let node = filled::of(state, Fills::Hair).expect("a sketch");
         let shown = state.shown.as_ref().expect("a result");
         let curves = shown.curves_of(&target::output(&node)).expect("curves");
         let each = curves.each();
@@ -545,7 +546,7 @@ const STYLES: [(&str, fn() -> (Document, f64)); 3] =
 
 /// The gestures of a document's sketch.
 fn gestures(document: &Document) -> Arc<Gestures> {
-    target::gestures(document, &NodeId::new("hair_sketch").expect("an id"))
+    filled::gestures(document, &NodeId::new("hair_sketch").expect("an id"))
 }
 
 #[test]
