@@ -3,7 +3,7 @@
 # compiles it. Both read the dependencies that the build for tests has compiled; `cargo clippy` and `cargo doc` would compile all of
 # them once more, as metadata, which takes longer than the lints.
 #
-# The program is also linted as the build for farms has it: without features, and without the crates that they bring.
+# The program is also checked as the build for farms has it: without features, and without the crates that they bring.
 # Benches are linted and not compiled. What clippy and rustdoc find lies under target/lints/, a file for each crate, until it is mended.
 compiler=$1
 shift
@@ -37,14 +37,17 @@ done
 mkdir -p target/lints
 found=target/lints/$name$extra.txt
 lint() { clippy-driver "$compiler" "$@" --emit=metadata --out-dir target/lints -D warnings; }
+# A library is linted with its tests, where it has any; without them the compiler's own warnings remain, such as code that tests alone use.
+library=''
+case " ${all[*]} " in *" --test "*) ;; *) [ "$type" = lib ] && library=1 ;; esac
 {
-    lint "${given[@]}"
-    case " ${all[*]} " in *" --test "*) ;; *)
-        [ -z "$bench" ] && [ "$type" != proc-macro ] && [[ ${all[*]} != */examples/* ]] &&
-            rustdoc "${given[@]}" --out-dir target/doc -D warnings
-        [ "$name $type" = "coif lib" ] && lint "${bare[@]}"
-        ;;
-    esac
+    if [ -z "$library" ] || grep -q '^test = false' "$CARGO_MANIFEST_DIR/Cargo.toml"; then
+        lint "${given[@]}"
+    fi
+    if [ -n "$library" ]; then
+        rustdoc "${given[@]}" --out-dir target/doc -D warnings
+        [ "$name" = coif ] && "$compiler" "${bare[@]}" --emit=metadata --out-dir target/lints -D warnings
+    fi
 } >"$found" 2>&1
 [ -s "$found" ] || rm "$found"
 rm -f "target/lints/"*"$extra.rmeta"
@@ -52,4 +55,5 @@ rm -f "target/lints/"*"$extra.rmeta"
 if [ -n "$bench" ]; then
     "$compiler" "${given[@]}" --emit=dep-info --out-dir "$out" && exec touch "$out/$name$extra"
 fi
+[ -n "$library" ] && all+=(-D warnings)
 exec "$compiler" "${all[@]}"
