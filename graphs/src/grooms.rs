@@ -50,6 +50,8 @@ pub const TEMPLATES: &[(&str, &str)] = &[
     ("locks", include_str!("../templates/locks.ron")),
     ("long_straight", include_str!("../templates/long_straight.ron")),
     ("short_back_and_sides", include_str!("../templates/short_back_and_sides.ron")),
+    ("beard", include_str!("../templates/beard.ron")),
+    ("brows", include_str!("../templates/brows.ron")),
 ];
 
 /// The grooms that are as full as a film's hero: 60,000 strands and more, a few seconds to evaluate.

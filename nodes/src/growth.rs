@@ -114,8 +114,8 @@ const OWN_SIZES: &[(&str, &str)] = &[
     ("baby_hair", "the hairline is smoothed over 0.8 cm"),
 ];
 
-/// What gives no curves of what is usual: a mask, and what is drawn, of which nothing is.
-const DRAWN: &[&str] = &["hair_sketch", "paint_mask", "stroke_input"];
+/// What gives no curves of what is usual: a mask, a region, and what is drawn, of which nothing is.
+const DRAWN: &[&str] = &["hair_sketch", "paint_mask", "region", "stroke_input"];
 
 /// How far ends may lie off, cm. Hair may keep off the skin by a distance of its own; the course of a tail has a point every 0.2 cm,
 /// and ways to a row are laid on the skin as exactly on any head.

@@ -63,7 +63,10 @@ fn check(node: &NodeDef, set: &[(&'static str, Value)]) {
 #[test]
 fn a_mask_keeps_its_share_of_the_hair_that_is_there_without_it() {
     let scalp: Value = ball().into();
-    let is_mask = |node: &&NodeDef| node.input("mask").is_some_and(|(_, it)| it.ty == Type::Field);
+    let gives_hair = |node: &NodeDef| node.outputs.iter().any(|output| output.ty == Type::Curves);
+    let is_mask = |node: &&NodeDef| {
+        gives_hair(node) && node.input("mask").is_some_and(|(_, it)| it.ty == Type::Field)
+    };
     let few = [("scalp", scalp.clone()), ("count", Value::Int(300))];
     let (guides, _) = run(crate::by_id("scatter_guides").unwrap(), &few);
     let mut seen = 0;

@@ -746,7 +746,8 @@ fn a_bar_of_any_width_keeps_its_words_whole_and_leaves_room_for_the_picture() {
             let [width, height] = size;
             let mut hands = Hands::on(rows(), [width / scale, height / scale], scale);
             let what = format!("{size:?} at {scale}");
-            for words in ["Pen settings", "Hairline", "Recipes", "Silhouette", "Puff", "Re-draw"] {
+            for words in ["Pen settings", "Draw region", "Recipes", "Silhouette", "Puff", "Re-draw"]
+            {
                 let Some(rect) = hands.place(words) else { panic!("{what}: no {words}") };
                 assert!(rect.height() < 40.0, "{what}: {words} is {rect:?}");
             }

@@ -1,7 +1,7 @@
 //! A number that may vary over the hair: constant, ramp, attribute, mask, painted mask, texture, or a product of these.
 
-use super::attributes::{ALONG, Declared, ROOT_BARY, ROOT_TRIANGLE};
-use super::curves::{AttributeView, Tuft};
+use super::attributes::{ALONG, Declared, Domain, ROOT_BARY, ROOT_TRIANGLE};
+use super::curves::{AttributeView, Tuft, TuftBuilder};
 use super::painted::Painted;
 use super::ramp::Ramp;
 use super::scalp::{Root, Scalp};
@@ -160,6 +160,33 @@ impl Field {
                 parts.iter().map(|part| part.part(tuft, scalp)).collect::<Result<_, _>>()?,
             ),
         })
+    }
+
+    /// The values at places of a scalp's skin, 0 to 1.
+    ///
+    /// # Errors
+    /// If it reads hair, or a mask that the scalp does not have.
+    pub fn on_skin(&self, places: &[Root], scalp: &Scalp) -> Result<Vec<f32>, FieldFault> {
+        if let Some(x) = self.constant() {
+            return Ok(vec![x.clamp(0.0, 1.0); places.len()]);
+        }
+        // Fields read roots: those of curves of one point.
+        let mut b = TuftBuilder::even(places.iter().map(|place| place.point).collect(), 1);
+        let triangles = places.iter().map(|place| place.triangle as i32).collect();
+        b.set(ROOT_TRIANGLE, Domain::Curve, triangles);
+        b.set(ROOT_BARY, Domain::Curve, places.iter().map(|place| place.bary).collect());
+        let tuft = b.build();
+        let values = self.on(&tuft, Some(scalp), (0.0, 1.0))?;
+        Ok((0..places.len()).map(|i| values.at(i, i, 0.0)).collect())
+    }
+
+    /// Whether it reads hair: an attribute of it, or the way along it.
+    pub fn reads_hair(&self) -> bool {
+        match self {
+            Field::Attribute(_) | Field::Ramp(_) => true,
+            Field::Product(parts) => parts.iter().any(Field::reads_hair),
+            Field::Constant(_) | Field::Mask(_) | Field::Painted(_) | Field::Texture(_) => false,
+        }
     }
 
     /// Whether it contains a mask, which may be a section of a parted scalp.

@@ -22,6 +22,7 @@ pub mod patience;
 mod places;
 pub mod ramp;
 pub mod read_set;
+pub(crate) mod region;
 pub mod rough;
 pub(crate) mod route;
 pub mod scalp;

@@ -13,8 +13,6 @@
 mod dabs;
 mod even;
 
-use super::attributes::{Domain, ROOT_BARY, ROOT_TRIANGLE};
-use super::curves::TuftBuilder;
 use super::field::{Field, FieldFault};
 use super::laid::{ClosedStroke, LEAST_POINTS};
 use super::scalp::{Root, Scalp};
@@ -173,22 +171,8 @@ impl Painted {
     /// # Errors
     /// If the base cannot be read on the scalp.
     pub fn on(&self, places: &[Root]) -> Result<Vec<f32>, FieldFault> {
-        let bases = self.bases(places)?;
+        let bases = self.base.on_skin(places, &self.scalp)?;
         Ok(places.iter().zip(bases).map(|(place, base)| self.at(place, base)).collect())
-    }
-
-    /// The values of the base at points of the skin.
-    fn bases(&self, places: &[Root]) -> Result<Vec<f32>, FieldFault> {
-        if let Some(x) = self.base.constant() {
-            return Ok(vec![x.clamp(0.0, 1.0); places.len()]);
-        }
-        let mut b = TuftBuilder::even(places.iter().map(|place| place.point).collect(), 1);
-        let triangles = places.iter().map(|place| place.triangle as i32).collect();
-        b.set(ROOT_TRIANGLE, Domain::Curve, triangles);
-        b.set(ROOT_BARY, Domain::Curve, places.iter().map(|place| place.bary).collect());
-        let tuft = b.build();
-        let base = self.base.on(&tuft, Some(&self.scalp), (0.0, 1.0))?;
-        Ok((0..places.len()).map(|i| base.at(i, i, 0.0)).collect())
     }
 
     /// The value after the first `count` strokes at a point of a triangle; its normal is computed only if needed.

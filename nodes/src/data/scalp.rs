@@ -9,6 +9,7 @@ use super::drawn::DrawnRegion;
 use super::landmarks::Landmarks;
 use super::links::Links;
 use super::outline::ConnectedSurface;
+use super::region::{ChosenRegion, Region};
 use super::rough::Rough;
 use super::sections::Sections;
 use super::spread::{RegionTree, highest};
@@ -153,23 +154,21 @@ pub struct Scalp {
     /// For fitting a groom to another head.
     landmarks: Landmarks,
     head: Arc<Head>,
+    region: Arc<Region>,
     sections: Option<Sections>,
 }
 
-/// What a head shares with the same head parted.
+/// What a head shares with the same head parted, or with another region.
 struct Head {
     surface: Surface,
     uvs: Option<Vec<[Vec2; 3]>>,
     space: HeadSpace,
-    /// Mask name to one value per vertex, 0 to 1. Always holds `scalp`, the region where hair grows.
+    /// Mask name to one value per vertex, 0 to 1. Always holds `scalp`, the head's own region where hair grows.
     masks: BTreeMap<String, Vec<f32>>,
     /// Masks that are exact between vertices.
     drawn: Vec<(String, DrawnRegion)>,
     links: OnceLock<Arc<Links>>,
     field: OnceLock<DistanceField>,
-    rough: OnceLock<Option<Rough>>,
-    spread: OnceLock<RegionTree>,
-    chart: OnceLock<Chart>,
 }
 
 /// Name of the mask that defines where hair grows.
@@ -215,10 +214,8 @@ impl Scalp {
                 drawn: vec![],
                 links: OnceLock::new(),
                 field: OnceLock::new(),
-                rough: OnceLock::new(),
-                spread: OnceLock::new(),
-                chart: OnceLock::new(),
             }),
+            region: Arc::default(),
             sections: None,
         }
     }
@@ -273,6 +270,13 @@ impl Scalp {
         self.with_sections(self.sections.as_ref().map(Sections::noting))
     }
     fn with_sections(&self, sections: Option<Sections>) -> Self {
+        Self { sections, ..self.shared() }
+    }
+    /// The same head, not parted, on which hair grows elsewhere.
+    pub(crate) fn with_region(&self, chosen: ChosenRegion) -> Self {
+        Self { region: Arc::new(chosen.into()), ..self.shared() }
+    }
+    fn shared(&self) -> Self {
         Self {
             key: self.key,
             cm_per_unit: self.cm_per_unit,
@@ -280,7 +284,8 @@ impl Scalp {
             kept: self.kept.clone(),
             landmarks: self.landmarks,
             head: self.head.clone(),
-            sections,
+            region: self.region.clone(),
+            sections: None,
         }
     }
     /// Whether the map shows the region, as on heads; of an animal it shows only one side of each leg.
@@ -338,8 +343,8 @@ impl Scalp {
     }
     /// The scalp as a flat map, computed on first use.
     pub fn chart(&self) -> &Chart {
-        let head = &*self.head;
-        head.chart.get_or_init(|| Chart::new(&head.surface, &head.space.frame, &head.masks[REGION]))
+        let make = || Chart::new(self.surface(), self.frame(), self.region());
+        self.region.chart.get_or_init(make)
     }
 
     /// Stores how many centimetres a unit of the mesh file was taken for.
@@ -384,19 +389,28 @@ impl Scalp {
 
     /// Hash of the content.
     pub fn key(&self) -> Key {
+        let own = self.key_unparted();
         self.sections
             .as_ref()
-            .map_or(self.key, |cut| KeyBuilder::new("parted").key(self.key).key(cut.key()).finish())
+            .map_or(own, |cut| KeyBuilder::new("parted").key(own).key(cut.key()).finish())
     }
-    /// Hash of the content without partings.
+    /// Hash of the head as it was read: the same with another region, and parted.
     pub fn whole(&self) -> Key {
         self.key
+    }
+    /// Hash of the content without partings.
+    fn key_unparted(&self) -> Key {
+        let chosen = |chosen: &ChosenRegion| {
+            KeyBuilder::new("region").key(self.key).key(chosen.key()).finish()
+        };
+        self.region.chosen.as_ref().map_or(self.key, chosen)
     }
     /// Hash of the content without what sections note that they are asked: shared by all parted versions of this head, and by no head
     /// that is not parted.
     pub(crate) fn key_untraced(&self) -> Key {
-        let parted = |_| KeyBuilder::new("parted somehow").key(self.key).finish();
-        self.sections.as_ref().map_or(self.key, parted)
+        let own = self.key_unparted();
+        let parted = |_| KeyBuilder::new("parted somehow").key(own).finish();
+        self.sections.as_ref().map_or(own, parted)
     }
     /// The triangles.
     pub fn surface(&self) -> &Surface {
@@ -442,13 +456,12 @@ impl Scalp {
     }
     /// The region where hair grows: 0 to 1 per vertex.
     pub fn region(&self) -> &[f32] {
-        &self.head.masks[REGION]
+        self.region.chosen.as_ref().map_or(&self.head.masks[REGION], |chosen| chosen.values())
     }
     /// The region as a tree by which roots are dealt out, computed on first use.
     pub(crate) fn spread(&self) -> &RegionTree {
-        let head = &*self.head;
-        head.spread.get_or_init(|| {
-            RegionTree::new(&head.surface, &|t| self.highest(t), self.kept.as_deref())
+        self.region.spread.get_or_init(|| {
+            RegionTree::new(self.surface(), &|t| self.highest(t), self.kept.as_deref())
         })
     }
     fn drawn(&self, name: &str) -> Option<&DrawnRegion> {
@@ -456,21 +469,28 @@ impl Scalp {
     }
     /// Value of the region at a point of a triangle, 0 to 1; 0 for a missing triangle.
     pub fn grows(&self, triangle: u32, bary: Vec2) -> f32 {
-        match self.drawn(REGION) {
-            Some(region) => region.at(&self.head.surface, triangle, bary),
-            None => self.mask_at(self.region(), triangle, bary),
-        }
-    }
-    /// Area of the region if it was drawn, cm2.
-    pub(crate) fn drawn_area(&self) -> Option<f32> {
-        self.drawn(REGION).map(DrawnRegion::area)
+        let exact = match &self.region.chosen {
+            Some(chosen) => chosen.at(triangle, bary),
+            None => self.drawn(REGION).map(|drawn| drawn.at(self.surface(), triangle, bary)),
+        };
+        exact.unwrap_or_else(|| self.mask_at(self.region(), triangle, bary))
     }
     /// Upper bound of the region's value in a triangle.
     pub(crate) fn highest(&self, triangle: u32) -> f32 {
-        let drawn = self.drawn(REGION).and_then(|region| region.highest(triangle));
-        drawn.unwrap_or_else(|| {
+        let exact = match &self.region.chosen {
+            Some(chosen) => chosen.highest(triangle),
+            None => self.drawn(REGION).and_then(|drawn| drawn.highest(triangle)),
+        };
+        exact.unwrap_or_else(|| {
             highest(self.region(), self.head.surface.triangles[triangle as usize])
         })
+    }
+    /// Area of the region if it was drawn or masked, cm2.
+    pub(crate) fn exact_area(&self) -> Option<f32> {
+        match &self.region.chosen {
+            Some(chosen) => Some(chosen.area()),
+            None => self.drawn(REGION).map(DrawnRegion::area),
+        }
     }
     /// The values of a mask at points of triangles; `None` without a mask of that name.
     pub fn mask_named(&self, name: &str) -> Option<impl Fn(u32, Vec2) -> f32> {
@@ -513,17 +533,22 @@ impl Scalp {
     }
     /// Why hair is not led around this mesh; `None` on heads.
     pub fn rough(&self) -> Option<Rough> {
-        let Head { surface, space, masks, rough, .. } = &*self.head;
-        *rough.get_or_init(|| Rough::of(surface, &masks[REGION], space.frame.unit()))
+        let make = || Rough::of(self.surface(), self.region(), self.frame().unit());
+        *self.region.rough.get_or_init(make)
     }
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.sections.as_ref().map_or_else(|| self.head_bytes(), |sections| sections.buffer().1)
+        match (&self.sections, &self.region.chosen) {
+            (Some(sections), _) => sections.buffer().1,
+            (None, Some(_)) => self.region.bytes(),
+            (None, None) => self.head_bytes() + self.region.bytes(),
+        }
     }
     /// Reports the buffers of the head and its sections, which other scalps may share, and their current size in bytes:
     /// what is built on demand (the distance field, the chart) counts from then on.
     pub fn buffers(&self, tell: &mut impl FnMut(usize, usize)) {
         tell(Arc::as_ptr(&self.head) as usize, self.head_bytes());
+        tell(Arc::as_ptr(&self.region) as usize, self.region.bytes());
         if let Some(sections) = &self.sections {
             let (at, bytes) = sections.buffer();
             tell(at, bytes);
@@ -536,8 +561,6 @@ impl Scalp {
             + self.head.field.get().map_or(0, DistanceField::bytes)
             + self.head.links.get().map_or(0, |links| links.bytes())
             + self.head.drawn.iter().map(|(_, region)| region.bytes()).sum::<usize>()
-            + self.head.spread.get().map_or(0, RegionTree::bytes)
-            + self.head.chart.get().map_or(0, Chart::bytes)
     }
 }
 

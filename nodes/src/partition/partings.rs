@@ -12,9 +12,9 @@ use super::given::Maker;
 use super::lines::{LineEnd, Uneven, end, fine, laid, uneven};
 use super::midlines::between;
 use super::pattern::{self, CellShape, Flat, PatternLines, PatternParams, Rows};
-use crate::data::attributes::{DRIFT, Domain, ROOT_BARY, ROOT_TRIANGLE};
+use crate::data::attributes::DRIFT;
 use crate::data::chart::{CELLS, Chart, cell_of};
-use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::curves::{Curves, Tuft};
 use crate::data::scalp::{HEAD_RADIUS, HeadSpace, Scalp};
 use crate::data::sections::{Parting, Sections, named_points};
 use crate::define::{FieldInput, NodeError, choice, node};
@@ -276,23 +276,18 @@ fn part(inputs: &Inputs, chart: &Chart) -> Result<Vec<bool>, NodeError> {
     if inputs.area.constant() == Some(1.0) {
         return Ok(grows.collect());
     }
-    // Fields read roots: those of all cells where hair grows, as curves of one point.
     let cells: Vec<usize> = (0..CELLS * CELLS).filter(|c| spots[*c].grows > 0.0).collect();
     let mut near = 0;
-    let hit = |c: &usize| {
+    let root = |c: &usize| {
         let hit = scalp.surface().closest_from(spots[*c].point, near)?;
         near = hit.triangle;
-        Some(hit)
+        Some(scalp.root(hit.triangle, hit.bary))
     };
-    let hits: Vec<_> = cells.iter().filter_map(hit).collect();
-    let mut b = TuftBuilder::even(hits.iter().map(|h| h.point).collect(), 1);
-    b.set(ROOT_TRIANGLE, Domain::Curve, hits.iter().map(|h| h.triangle as i32).collect());
-    b.set(ROOT_BARY, Domain::Curve, hits.iter().map(|h| h.bary).collect());
-    let tuft = b.build();
-    let area = inputs.area.on(&tuft, Some(scalp))?;
+    let roots: Vec<_> = cells.iter().filter_map(root).collect();
+    let area = inputs.area.field.on_skin(&roots, scalp)?;
     let mut out = vec![false; CELLS * CELLS];
-    for (slot, cell) in cells.into_iter().enumerate().take(hits.len()) {
-        out[cell] = area.at(slot, slot, 0.0) >= 0.5;
+    for (cell, area) in cells.into_iter().zip(area) {
+        out[cell] = area >= 0.5;
     }
     Ok(out)
 }

@@ -51,7 +51,7 @@ pub(super) fn regions(
         outlines.push(laid.outline);
     }
     if outlines.is_empty() {
-        return Err(NodeError::failed("no hairline is drawn: draw a closed stroke"));
+        return Err(NodeError::failed("no outline is drawn: draw a closed stroke"));
     }
     // Nesting of lines: the innermost has the most lines around it.
     let holds = |outer: &Outline, inner: &Outline| {

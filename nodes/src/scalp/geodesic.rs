@@ -245,7 +245,7 @@ mod tests {
     use crate::maths::closest::Surface;
     use crate::maths::hash::Dice;
     use crate::maths::transcendental::{acos, sin_cos};
-    use crate::scalp::region::{default_region, ears};
+    use crate::scalp::hairline::{default_region, ears};
     use crate::scalp::territory::Row;
 
     /// A line down a half circle of the ball, `turn` radians to the right.

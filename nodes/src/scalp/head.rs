@@ -10,7 +10,7 @@ use super::find::{self, FoundHead, Pieces};
 use super::fit::{self, Fit};
 use super::parts::{self, Parts};
 use super::told::{mask_names, refused};
-use super::{bust, choose, drawn, facing, hollow, landmarks, region};
+use super::{bust, choose, drawn, facing, hairline, hollow, landmarks};
 use crate::data::landmarks::Landmarks;
 use crate::data::mesh::Mesh;
 use crate::data::outline::ConnectedSurface;
@@ -246,7 +246,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     masks.extend(of_parts.into_iter().map(|(name, mask)| (format!("part:{name}"), mask)));
     let (mut ears, mut guessed) = (vec![], Landmarks::default());
     if fit.is_some() {
-        ears = region::ears(&surface, &frame, &|| cx.check())?;
+        ears = hairline::ears(&surface, &frame, &|| cx.check())?;
         let own = own_region(&masks).map(Vec::as_slice);
         guessed = landmarks::guessed(&surface, &frame, own, &ears);
     }
@@ -638,7 +638,7 @@ fn grows(
     match inputs.region {
         Region::Default => match (own_region(masks), ears) {
             (Some(mask), _) => Ok(mask.clone()),
-            (None, Some(ears)) => region::default_region(surface, frame, softness, ears, &check),
+            (None, Some(ears)) => hairline::default_region(surface, frame, softness, ears, &check),
             (None, None) => Ok(vec![1.0; surface.points.len()]),
         },
         Region::Mask => {
@@ -656,7 +656,7 @@ fn grows(
             Ok(sum)
         }
         Region::Hairline => match ears.is_some() {
-            true => region::outer_skin(surface, frame, &check),
+            true => hairline::outer_skin(surface, frame, &check),
             false => Ok(vec![1.0; surface.points.len()]),
         },
     }

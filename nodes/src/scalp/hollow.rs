@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn hair_grows_on_a_shell_as_on_a_solid_once_its_inner_wall_is_gone() {
-        use crate::scalp::region::default_region;
+        use crate::scalp::hairline::default_region;
         let ball = ball();
         let shell = shell();
         let wall = found(&shell).unwrap();

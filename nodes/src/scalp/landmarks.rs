@@ -7,7 +7,7 @@
 //! the same ones in head units; bounded work. Not promised: the position that a person would choose. A landmark that is
 //! not found is left out.
 
-use super::region;
+use super::hairline;
 use crate::data::carry::{Carry, MapReport};
 use crate::data::landmarks::{Landmark, Landmarks};
 use crate::data::scalp::HeadFrame;
@@ -172,7 +172,7 @@ impl Head<'_> {
 
     fn grows(&self, hit: &Hit) -> bool {
         let Some(own) = self.own else {
-            return region::within_hairline(self.frame, hit.point - self.frame.origin) > 0.0;
+            return hairline::within_hairline(self.frame, hit.point - self.frame.origin) > 0.0;
         };
         let [a, b, c] = self.surface.triangles[hit.triangle as usize].map(|v| own[v as usize]);
         let (x, y) = (hit.bary.x, hit.bary.y);

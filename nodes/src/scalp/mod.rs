@@ -12,6 +12,7 @@ mod facing;
 mod find;
 mod fit;
 mod geodesic;
+pub(crate) mod hairline;
 mod head;
 mod hollow;
 #[cfg(test)]
@@ -22,7 +23,7 @@ mod paint_mask;
 mod parts;
 #[cfg(test)]
 mod posed_heads;
-pub(crate) mod region;
+mod region;
 #[cfg(test)]
 mod same_skin;
 mod scalp_projection;
@@ -34,4 +35,4 @@ mod told;
 use crate::define::NodeDef;
 
 pub(crate) const NODES: &[&NodeDef] =
-    &[&head::NODE, &paint_mask::NODE, &scalp_projection::NODE, &texture_mask::NODE];
+    &[&head::NODE, &paint_mask::NODE, &region::NODE, &scalp_projection::NODE, &texture_mask::NODE];

@@ -24,7 +24,7 @@ node! {
     /// closed stroke works like a hairline: its inside is the mask, with a soft edge.
     "paint_mask", version 1, label "Paint mask",
         words "paint brush map weight density length region area hairline outline draw dab flood smooth erase texture", scales,
-        refuses(on_hair);
+        refuses(refused);
     inputs {
         /// Painted strokes, in order. Paint them in the viewport; they are stored in the head frame.
         strokes: Arc<Strokes> = Strokes::default(), words("pen dabs brush painted");
@@ -46,17 +46,23 @@ node! {
     }
 }
 
-fn on_hair(told: &KnownInputs) -> Result<(), NodeError> {
-    let reads = match told.value("base") {
-        Some(Value::Field(field)) => reads_hair(&field),
+fn refused(told: &KnownInputs) -> Result<(), NodeError> {
+    on_skin(told, "base")
+}
+
+/// Refuses an input that is read on the skin if what it is set to reads hair.
+pub(super) fn on_skin(told: &KnownInputs, input: &'static str) -> Result<(), NodeError> {
+    let reads = match told.value(input) {
+        Some(Value::Field(field)) => field.reads_hair(),
         Some(Value::Ramp(_)) => true,
         _ => false,
     };
     if !reads {
         return Ok(());
     }
-    let reason = "is read on the scalp, before there is hair: give a number, a mask, or wire another painted mask";
-    Err(NodeError::BadValue { input: "base", value: "it".to_owned(), reason: reason.to_owned() })
+    let reason =
+        "is read on the scalp, before there is hair: give a number, a mask, or wire a painted mask";
+    Err(NodeError::BadValue { input, value: "it".to_owned(), reason: reason.to_owned() })
 }
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
@@ -103,14 +109,6 @@ fn carried(scalp: &Scalp, strokes: Arc<Strokes>) -> Arc<Strokes> {
 }
 
 /// Whether a field reads something that only hair has.
-fn reads_hair(field: &Field) -> bool {
-    match field {
-        Field::Attribute(_) | Field::Ramp(_) => true,
-        Field::Product(parts) => parts.iter().any(reads_hair),
-        Field::Constant(_) | Field::Mask(_) | Field::Painted(_) | Field::Texture(_) => false,
-    }
-}
-
 /// Reports sections that strokes are limited to and the head does not have.
 fn tell_sections(cx: &EvalCx, scalp: &Scalp, strokes: &Strokes) {
     let names = strokes.0.iter().filter_map(|stroke| Some(&*stroke.brush.as_ref()?.section));

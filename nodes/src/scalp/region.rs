@@ -1,171 +1,207 @@
-//! The region where hair grows, as a mask with one value per vertex.
+//! Region: another place where hair grows on the same head, for the nodes behind it.
 //!
-//! methods.md 0.1: the default region is the outer surface above a plane that rises toward the face, within a shell
-//! around the cranium, without the ears and some skin around them. Drawn regions are in [`super::drawn`].
+//! Guarantees: the mesh, its masks and what is known of the skin are shared with the head, and triangles keep their
+//! numbers, so hair of several regions can be merged and reads the same masks. Hair outside the outlines is none,
+//! however coarse the mesh.
 
-use crate::data::scalp::HeadFrame;
-use crate::define::NodeError;
-use crate::maths::closest::Surface;
-use crate::maths::nearest::KdTree;
-use crate::maths::soft_edge;
-use crate::maths::transcendental::sin_cos;
+use super::drawn::{self, DrawnRegionParams};
+use super::hairline;
+use super::head::INNER_WALL;
+use super::paint_mask::on_skin;
+use crate::data::landmarks::Landmark;
+use crate::data::region::ChosenRegion;
+use crate::data::scalp::Scalp;
+use crate::data::strokes::Strokes;
+use crate::define::{FieldInput, KnownInputs, NodeError, node};
+use crate::eval::EvalCx;
 use glam::Vec3;
+use std::sync::Arc;
 
-/// Plane of the default region: this far below the centre (radii) ...
-const DROP: f32 = 0.30;
-/// ... rising toward the front at this angle.
-const RISE: f32 = 40.0 / 180.0 * std::f32::consts::PI;
-/// The shell of the default region, in radii from the centre.
-const SHELL: (f32, f32) = (0.8, 1.2);
-
-/// Ears are searched this far to the side, between these heights and depths, in radii ...
-const BESIDE: f32 = 0.6;
-const EAR_LOW: Vec3 = Vec3::new(BESIDE, -0.8, -0.7);
-const EAR_HIGH: Vec3 = Vec3::new(2.0, 0.4, 0.4);
-/// ... and are thinner than this, cm on a head of average size.
-const THIN: f32 = 1.2;
-/// Bare skin around an ear, cm on a head of average size.
-const BARE: f32 = 0.35;
-/// Skin surrounded by an ear within this distance (cm on a head of average size) belongs to it: the mean of the
-/// directions to the ear is shorter than this. Next to a straight edge it is 0.64.
-const WITHIN: f32 = 2.0;
-const SURROUNDED: f32 = 0.5;
-/// The most vertices that represent both ears; on a fine scan, a subset does.
-const MOST_RIMS: usize = 4000;
-/// If more than this fraction of the searched surface is thin, the mesh has an interior of its own and says nothing
-/// about ears.
-const MOST_THIN: f32 = 0.6;
-
-/// Distance inside the standard hairline of a point at `v` from the centre, cm; negative outside.
-pub(super) fn within_hairline(frame: &HeadFrame, v: Vec3) -> f32 {
-    let (sin, cos) = sin_cos(RISE);
-    let p = frame.head_from_vector(v);
-    let r = frame.radius;
-    let over = (p.y + DROP * r) * cos - p.z * sin;
-    let shell = (p.length() - SHELL.0 * r).min(SHELL.1 * r - p.length());
-    over.min(shell)
-}
-
-/// The default region; `softness` (cm) is the width of its edge, `rims` are the vertices of its [`ears`].
-pub(crate) fn default_region(
-    surface: &Surface,
-    frame: &HeadFrame,
-    softness: f32,
-    rims: &[Vec3],
-    check: &dyn Fn() -> Result<(), NodeError>,
-) -> Result<Vec<f32>, NodeError> {
-    let ears = KdTree::new(rims.iter().copied());
-    let within = WITHIN * frame.unit();
-    let mut found = vec![];
-    mask(surface, frame, check, |v| {
-        let inside = within_hairline(frame, v);
-        if inside <= -0.5 * softness {
-            return 0.0;
-        }
-        let p = frame.origin + v;
-        ears.find(p, 1, &mut found);
-        let Some((square, _)) = found.first() else { return soft_edge(inside, softness) };
-        let far = square.sqrt();
-        if far < within {
-            // What an ear surrounds, such as its hollow, belongs to it even if it is not thin.
-            let near = rims.iter().map(|rim| *rim - p).filter(|to| to.length() < within);
-            let (sum, count) = near.fold((Vec3::ZERO, 0.0f32), |(sum, count), to| {
-                (sum + to.normalize_or_zero(), count + 1.0)
-            });
-            if sum.length() < SURROUNDED * count {
-                return 0.0;
-            }
-        }
-        soft_edge(inside.min(far - BARE * frame.unit()), softness)
-    })
-}
-
-/// The vertices of both ears: the thin surface at the sides of a head.
-pub(crate) fn ears(
-    surface: &Surface,
-    frame: &HeadFrame,
-    check: &dyn Fn() -> Result<(), NodeError>,
-) -> Result<Vec<Vec3>, NodeError> {
-    let (thin, mut looked, mut ears) = (THIN * frame.unit(), 0usize, vec![]);
-    // Seen from inside, the inner wall of a hollow head is thin everywhere.
-    let mut inner = vec![false; surface.points.len()];
-    let numbered = (0u32..).zip(&surface.triangles);
-    let gone = numbered.filter(|(t, _)| surface.is_gone(*t)).flat_map(|(_, corners)| corners);
-    gone.for_each(|v| inner[*v as usize] = true);
-    for (i, (p, normal)) in surface.points.iter().zip(&surface.normals).enumerate() {
-        if i % 256 == 0 {
-            check()?;
-        }
-        let at = frame.head_from_vector(*p - frame.origin) / frame.radius;
-        let at = Vec3::new(at.x.abs(), at.y, at.z);
-        if inner[i] || at.cmplt(EAR_LOW).any() || at.cmpgt(EAR_HIGH).any() {
-            continue;
-        }
-        looked += 1;
-        let start = *p - *normal * (0.002 * frame.radius);
-        if surface.ray_meets(start, -*normal, thin) {
-            ears.push(*p);
-        }
+node! {
+    /// Another place on the same head where hair grows: a beard, brows, a patch of fur.
+    ///
+    /// Draw outlines in the viewport, wire a mask, or both: hair grows inside the outlines, where the mask says. Wire the
+    /// resulting scalp to the nodes that grow this hair. Other hair keeps the head's own region, and the head can have as
+    /// many regions as it needs. Partings come behind the region.
+    "region", version 1, label "Region",
+        words "beard brow eyebrow moustache mustache sideburn lash patch area face body hairline where several second outline",
+        scales, refuses(refused);
+    inputs {
+        /// The head.
+        scalp: Arc<Scalp>;
+        /// Closed strokes on the skin. Hair grows inside, on the smaller of the two sides. A stroke inside another cuts
+        /// a hole.
+        outline: Arc<Strokes> = Strokes::default(), words("stroke edge hairline line closed");
+        /// Draw each outline on both sides of the head.
+        symmetric: bool = false, words("mirror both sides brows");
+        /// Where hair grows, inside the outlines or, without any, on the whole head: a mask of the head such as
+        /// "material:brows", a painted mask or a texture mask.
+        mask: FieldInput = 1.0, hard(0.0, 1.0), unit(Ratio), words("paint texture material vertex colour");
+        /// Fade width at the outlines. 0 is a sharp edge.
+        edge: f32 = 0.3, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff feather");
+        /// Scale the fade width with the size of the head.
+        scale_with_head: bool = true, words("head units");
     }
-    if ears.len() as f32 > MOST_THIN * looked as f32 {
-        ears.clear();
+    outputs {
+        /// The same head, with hair growing in this region.
+        scalp: Arc<Scalp>;
     }
-    let every = ears.len().div_ceil(MOST_RIMS).max(1);
-    Ok(ears.into_iter().step_by(every).collect())
 }
 
-/// For each vertex, whether it is on the outer surface: 0 or 1.
-pub(crate) fn outer_skin(
-    surface: &Surface,
-    frame: &HeadFrame,
-    check: &dyn Fn() -> Result<(), NodeError>,
-) -> Result<Vec<f32>, NodeError> {
-    mask(surface, frame, check, |_| 1.0)
+fn refused(told: &KnownInputs) -> Result<(), NodeError> {
+    on_skin(told, "mask")
 }
 
-/// The value of `value` for the vertex at `v` from the centre, on the outer surface.
-fn mask(
-    surface: &Surface,
-    frame: &HeadFrame,
-    check: &dyn Fn() -> Result<(), NodeError>,
-    mut value: impl FnMut(Vec3) -> f32,
-) -> Result<Vec<f32>, NodeError> {
-    let mut out = Vec::with_capacity(surface.points.len());
-    let mut hides = [None; 7];
-    for (i, p) in surface.points.iter().enumerate() {
-        if i % 256 == 0 {
-            check()?;
+fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let Inputs { scalp, mask, .. } = &inputs;
+    let drawn = match inputs.outline.0.is_empty() {
+        false => Some(inside(cx, &inputs)?),
+        true if mask.constant().is_some() => {
+            cx.warn(
+                "hair grows on the head's own region until an outline is drawn or a mask wired",
+            );
+            return Ok(Outputs { scalp: scalp.clone() });
         }
-        let x = value(*p - frame.origin);
-        out.push(if x > 0.0 && outer(surface, frame, i, &mut hides) { x } else { 0.0 });
+        true => None,
+    };
+    let chosen = ChosenRegion::new(scalp, drawn, &mask.field, &|| cx.check())?;
+    match chosen.area() {
+        area if area > 0.0 => cx.remark(format!("region: {}", drawn::area(area))),
+        _ => cx.warn("hair grows nowhere: the region is empty"),
     }
-    Ok(out)
+    if scalp.sections().is_some() {
+        cx.remark("the region has no partings: wire Partings behind it");
+    }
+    Ok(Outputs { scalp: Arc::new(scalp.with_region(chosen)) })
 }
 
-/// Angle of the rays of [`outer`] from the radial direction.
-const LEAN: f32 = 50.0 / 180.0 * std::f32::consts::PI;
+/// What the outlines enclose.
+fn inside(cx: &EvalCx, inputs: &Inputs) -> Result<crate::data::drawn::DrawnRegion, NodeError> {
+    let scalp = &inputs.scalp;
+    let (surface, frame) = (scalp.surface(), scalp.frame());
+    // The lips join the skin to the mouth's inside, which has no hair.
+    let is_head = scalp.landmarks().get(Landmark::Crown).is_some();
+    let mut may = match is_head {
+        true => hairline::outer_skin(surface, frame, &|| cx.check())?,
+        false => vec![1.0; surface.points.len()],
+    };
+    if let Some(wall) = scalp.mask(INNER_WALL) {
+        may.iter_mut().zip(wall).for_each(|(may, wall)| *may *= 1.0 - wall);
+    }
+    let mut strokes = Strokes::clone(&inputs.outline);
+    if inputs.symmetric {
+        let mut twins = strokes.0.clone();
+        let samples = twins.iter_mut().flat_map(|stroke| &mut stroke.samples);
+        samples.for_each(|sample| sample.position *= Vec3::new(-1.0, 1.0, 1.0));
+        strokes.0.extend(twins);
+    }
+    let params = DrawnRegionParams { strokes: &strokes, names: "", softness: inputs.edge, may };
+    let regions = drawn::regions(cx, &scalp.net(), scalp.space(), params)?;
+    let (_, whole) = regions.into_iter().next().expect("the region of all outlines");
+    Ok(whole)
+}
 
-/// Whether the outside is visible from a vertex: a ray straight out, or one of six tilted by 50 degrees, hits nothing.
-/// Skin behind an ear is therefore outer surface; the back of an eye or a tooth is not. `hides` is what last blocked
-/// each direction.
-fn outer(
-    surface: &Surface,
-    frame: &HeadFrame,
-    vertex: usize,
-    hides: &mut [Option<u32>; 7],
-) -> bool {
-    let p = surface.points[vertex];
-    let Some(out) = (p - frame.origin).try_normalize() else { return false };
-    let start = p + surface.normals[vertex] * (0.005 * frame.radius);
-    let side = frame.up.cross(out).try_normalize().unwrap_or(frame.right);
-    let other = out.cross(side);
-    let (sin, cos) = sin_cos(LEAN);
-    let leaning = (0..6).map(|k| {
-        let (s, c) = crate::maths::transcendental::sin_cos_turns(k as f32 / 6.0);
-        out * cos + (side * c + other * s) * sin
-    });
-    std::iter::once(out)
-        .chain(leaning)
-        .zip(hides)
-        .any(|(way, hides)| !surface.ray_meets_again(start, way, 8.0 * frame.radius, hides))
+#[cfg(test)]
+mod tests {
+    use crate::data::field::Field;
+    use crate::data::scalp::Scalp;
+    use crate::data::strokes::{Brush, Stroke, Strokes};
+    use crate::define::Value;
+    use crate::testing::{area_within, curves_of, fails, head, round, run};
+    use glam::Vec3;
+    use std::sync::Arc;
+
+    fn region(scalp: &Arc<Scalp>, set: &[(&'static str, Value)]) -> (Arc<Scalp>, Vec<String>) {
+        let on = [("scalp", scalp.clone().into())];
+        let (out, said) = run(crate::by_id("region").unwrap(), &[&on, set].concat());
+        let Value::Scalp(scalp) = &out[0] else { panic!("a scalp") };
+        (scalp.clone(), said)
+    }
+
+    fn outline(scalp: &Scalp, at: Vec3, radius: f32) -> (Vec3, Stroke) {
+        let middle = scalp.closest_root(scalp.frame().point_from_head(at)).unwrap().point;
+        (middle, round(scalp, 1, middle, radius))
+    }
+
+    fn roots(scalp: &Arc<Scalp>) -> Vec<Vec3> {
+        let set = [("scalp", scalp.clone().into()), ("count", Value::Int(800))];
+        let (grown, _) = run(crate::by_id("scatter_guides").unwrap(), &set);
+        curves_of(&grown[0]).each().map(|(tuft, i)| tuft.curve(i)[0]).collect()
+    }
+
+    #[test]
+    fn hair_grows_inside_the_outlines_alone_and_the_head_keeps_its_own_region() {
+        let plain = head(&[]);
+        let (jaw, line) = outline(&plain, Vec3::new(6.0, -6.0, 4.0), 2.2);
+        let sharp = ("edge", Value::Float(0.0));
+        let (beard, said) =
+            region(&plain, &[("outline", Strokes(vec![line]).into()), sharp.clone()]);
+        let told = said.iter().find_map(|s| s.strip_prefix("region: ")?.strip_suffix(" cm2"));
+        let (told, wide): (f32, f32) =
+            (told.unwrap().parse().unwrap(), area_within(&beard, jaw, 2.2));
+        assert!((told / wide - 1.0).abs() < 0.02, "{told} cm2 of {wide}");
+        let hair = roots(&beard);
+        assert!(hair.len() > 700, "{}", hair.len());
+        assert!(hair.iter().all(|p| p.distance(jaw) < 2.23));
+        assert!(roots(&plain).iter().all(|p| p.distance(jaw) > 2.23));
+        // One head: a mask that is painted on it is read by the hair of both.
+        assert_eq!((plain.whole(), plain.key() == beard.key()), (beard.whole(), false));
+
+        let (eye, line) = outline(&plain, Vec3::new(3.2, 2.0, 8.5), 1.0);
+        let both = [("outline", Strokes(vec![line]).into()), ("symmetric", true.into()), sharp];
+        let hair = roots(&region(&plain, &both).0);
+        let other = plain.place(plain.given(eye) * Vec3::new(-1.0, 1.0, 1.0));
+        let near = |middle: Vec3| hair.iter().filter(|p| p.distance(middle) < 1.1).count();
+        assert_eq!(near(eye) + near(other), hair.len());
+        assert!(near(eye).abs_diff(near(other)) < 40, "{} and {}", near(eye), near(other));
+    }
+
+    #[test]
+    fn a_mask_alone_or_within_outlines_says_where() {
+        let plain = head(&[]);
+        let (middle, line) = outline(&plain, Vec3::new(0.0, 3.0, 9.0), 2.0);
+        let brush = Brush { radius: 1.2, ..Brush::default() };
+        let dab =
+            Stroke { brush: Some(brush), samples: line.samples[..1].to_vec(), ..line.clone() };
+        let centre = plain.place(dab.samples[0].position);
+        let set = [("scalp", plain.clone().into()), ("strokes", Strokes(vec![dab]).into())];
+        let set = [&set[..], &[("softness", Value::Float(0.0))]].concat();
+        let painted = run(crate::by_id("paint_mask").unwrap(), &set).0.remove(0);
+        let (scalp, _) = region(&plain, &[("mask", painted.clone())]);
+        let hair = roots(&scalp);
+        // As sharp as it is painted, on a mesh of half a centimetre.
+        assert!(
+            hair.len() > 600 && hair.iter().all(|p| p.distance(centre) < 1.21),
+            "{}",
+            hair.len()
+        );
+        assert!(hair.iter().any(|p| p.distance(middle) > 2.3));
+        let outlines = Strokes(vec![line]).into();
+        let (scalp, _) = region(
+            &plain,
+            &[("mask", painted), ("outline", outlines), ("edge", Value::Float(0.0))],
+        );
+        let hair = roots(&scalp);
+        let within = |p: &Vec3| p.distance(centre) < 1.21 && p.distance(middle) < 2.03;
+        assert!(hair.len() > 600 && hair.iter().all(within), "{}", hair.len());
+    }
+
+    #[test]
+    fn what_chooses_nothing_is_told() {
+        let plain = head(&[]);
+        let check = |set: &[(&'static str, Value)], word: &str| {
+            let (scalp, said) = region(&plain, set);
+            assert!(said.iter().any(|s| s.contains(word)), "{said:?}");
+            scalp
+        };
+        let own = check(&[], "until an outline is drawn");
+        assert_eq!(own.key(), plain.key());
+        let none = Field::Mask("inner_wall_of_nothing".into());
+        let on = [("scalp", plain.clone().into()), ("mask", none.into())];
+        let err = fails(crate::by_id("region").unwrap(), &on);
+        assert!(err.contains("has no mask"), "{err}");
+        let (_, line) = outline(&plain, Vec3::new(0.0, 3.0, 9.0), 2.0);
+        let none = [("outline", Strokes(vec![line]).into()), ("mask", Value::Float(0.0))];
+        check(&none, "hair grows nowhere");
+    }
 }

@@ -52,7 +52,7 @@ pub(super) fn refused(told: &KnownInputs) -> Result<(), NodeError> {
         && let Some(Value::Strokes(strokes)) = told.value("hairline")
         && strokes.0.iter().all(|stroke| stroke.samples.len() < LEAST_POINTS)
     {
-        return Err(NodeError::failed("no hairline is drawn: draw a closed stroke"));
+        return Err(NodeError::failed("no outline is drawn: draw a closed stroke"));
     }
     let by_mask = told.is("region", "mask");
     if !by_mask && !told.is("region", "material") {

@@ -60,7 +60,7 @@ fn what_an_evaluation_refuses_is_refused_by_check_and_batch() {
             r#""other": (kind: "head", inputs: {{{inputs}}}), "last": (kind: "scatter_guides", links: {{"scalp": "other.scalp"}})"#
         )
     };
-    check(&head(r#""region": "hairline""#), "other: no hairline is drawn");
+    check(&head(r#""region": "hairline""#), "other: no outline is drawn");
     let named = |region: &str| head(&format!(r#""region": "{region}", "region_name": "nonsense""#));
     check(&named("mask"), "other: region_name: \"nonsense\" is not there");
     check(&named("material"), "other: region_name: \"nonsense\" is not there");

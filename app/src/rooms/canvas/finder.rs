@@ -496,7 +496,7 @@ mod tests {
         assert!(scalp.contains(&"Scatter guides".to_owned()), "{scalp:?}");
         assert!(!scalp.contains(&"Resample".to_owned()), "{scalp:?}");
         let feeds = labels(Link::To(socket("rows.scalp"), None), true);
-        assert_eq!(feeds, ["Head", "Partings"]);
+        assert_eq!(feeds, ["Head", "Region", "Partings"]);
         // A selected node proposes what fits, but all can be had.
         let all = labels(Link::From(socket("head.scalp")), false);
         assert_eq!(all.len(), coif_nodes::all().count());

@@ -117,17 +117,33 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         "pencil sketch row guide line brush"
     ),
     Action {
-        id: "pen.hairline",
-        label: "Hairline",
-        tip: "Draw a closed stroke on the head: hair grows inside it, on the crown's side. Again: finish.",
-        words: "region outline scalp grow closed where",
+        id: "pen.region",
+        label: "Draw region",
+        tip: "Draw closed strokes on the head: hair grows inside them. They are the outlines of the selected Region node, else of the head's own region. Again: finish.",
+        words: "region hairline outline scalp grow closed where beard brows",
         menu: "Pen",
         when: a_head,
         run: |pen, state, out| {
-            let head = target::head(&state.document);
-            let off = head.is_some() && state.pinned == head;
+            let node = target::region(state);
+            let off = node.is_some() && state.pinned == node;
             pen.tool = if off { PenTool::Select } else { PenTool::Draw };
-            out.push(Event::Pin(head.filter(|_| !off)));
+            out.push(Event::Pin(node.filter(|_| !off)));
+        },
+    },
+    Action {
+        id: "pen.new_region",
+        label: "New region",
+        tip: "Add a place on the head where other hair grows, such as a beard or brows, and draw its outline.",
+        words: "region outline beard brow eyebrow moustache second several area face body",
+        menu: "Pen",
+        when: a_head,
+        run: |pen, state, out| {
+            let Some((node, edits)) = target::make_region(&state.document) else { return };
+            out.push(Event::Begin("region added".to_owned()));
+            out.extend(edits.into_iter().map(Event::Edit));
+            out.extend([Event::End, Event::Select(Select::Nodes(vec![node.clone()]))]);
+            out.push(Event::Pin(Some(node)));
+            pen.tool = PenTool::Draw;
         },
     },
     Action {
@@ -412,6 +428,8 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
     recipe!(12, "recipe bun ball afro pom"),
     recipe!(13, "recipe kinky round natural 4c"),
     recipe!(14, "recipe loose hair crop fade men barber clippers"),
+    recipe!(15, "recipe face facial moustache mustache stubble goatee men"),
+    recipe!(16, "recipe face eyebrow eyebrows"),
 ];
 
 fn anything_picked(pen: &Pen, _: &State) -> Can {
@@ -654,9 +672,10 @@ fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
     step(state, &node, "strokes joined", edits, out);
 }
 
-/// Makes a recipe on a bare head; over hair it is asked first whether that stays.
+/// Makes a recipe on a bare head; over hair it is asked first whether that stays, but for what grows elsewhere.
 fn ask(pen: &mut Pen, state: &State, recipe: usize, out: &mut Vec<Event>) {
-    match wiring::has_hair(&state.document) {
+    let elsewhere = recipes::ALL.get(recipe).is_some_and(recipes::Recipe::grows_elsewhere);
+    match wiring::has_hair(&state.document) && !elsewhere {
         true => {
             pen.asked = Some(recipe);
             out.push(Event::Show(Room::Viewport));

@@ -34,8 +34,8 @@ impl Pen {
             self.tools(|tool| tool == PenTool::Select, ui, out);
             name(ui, "Strokes", "Draw and edit strokes, for rows and guides.");
             self.tools(PenTool::is_on_strokes, ui, out);
-            let head = state.pinned.is_some() && state.pinned == target::head(&state.document);
-            act(ui, head, "pen.hairline", out);
+            let region = state.pinned.is_some() && state.pinned == target::region(state);
+            act(ui, region, "pen.region", out);
             ui.separator();
             let menu = ui.menu_button("Recipes", |ui| {
                 panel::list(ui, |ui| {

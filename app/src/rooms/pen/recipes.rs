@@ -45,7 +45,7 @@ pub(crate) enum Draws {
 }
 
 /// All recipes: first those to draw into.
-pub(crate) const ALL: [Recipe; 15] = [
+pub(crate) const ALL: [Recipe; 17] = [
     Recipe {
         template: "flow_hair",
         label: "Draw a hairstyle",
@@ -166,6 +166,22 @@ pub(crate) const ALL: [Recipe; 15] = [
         draws: Draws::Nothing,
         selects: None,
     },
+    Recipe {
+        template: "beard",
+        label: "Beard",
+        tip: "A full beard and moustache in a region of its own, whose outline you can draw anew.",
+        action: "recipe.beard",
+        draws: Draws::Nothing,
+        selects: None,
+    },
+    Recipe {
+        template: "brows",
+        label: "Brows",
+        tip: "Eyebrows in a region of their own, whose outline you can draw anew.",
+        action: "recipe.brows",
+        draws: Draws::Nothing,
+        selects: None,
+    },
 ];
 
 /// A recipe as it is put into a document.
@@ -180,6 +196,11 @@ impl Recipe {
     /// Whether the pen is to draw it.
     pub(crate) fn is_drawn(&self) -> bool {
         self.draws != Draws::Nothing
+    }
+
+    /// Whether it grows in a region of its own, beside whatever hair the head has.
+    pub(crate) fn grows_elsewhere(&self) -> bool {
+        matches!(self.template, "beard" | "brows")
     }
 
     /// The same on the bare head: the hair that is there goes.
@@ -288,6 +309,7 @@ fn follow(node: &mut Node, after: i64) {
 mod tests {
     use super::*;
     use crate::core::event::Event;
+    use crate::core::state::Select;
     use crate::rooms::pen::tests::{Table, draw_on, head, row};
     use egui::Pos2;
     use std::collections::BTreeSet;
@@ -332,6 +354,23 @@ mod tests {
             table.editor().apply(Event::Undo);
             assert_eq!(table.editor().state.document, head());
         }
+    }
+
+    #[test]
+    fn a_beard_and_brows_join_the_hair_of_the_head_and_their_outline_is_drawn_anew() {
+        let mut table = table_with(&ALL[14]);
+        for recipe in &ALL[15..] {
+            table.editor().act(recipe.action);
+            assert!(table.editor().pen.asked.is_none(), "{}", recipe.label);
+        }
+        let state = &table.editor().state;
+        let of = |kind: &str| state.document.nodes.iter().filter(|(_, n)| n.kind == kind).count();
+        assert_eq!((of("head"), of("region"), of("groom_output")), (1, 2, 3));
+        let region = state.document.nodes.iter().find(|(_, node)| node.kind == "region");
+        let region = region.map(|(id, _)| id.clone()).expect("a region");
+        table.editor().apply(Event::Select(Select::Nodes(vec![region.clone()])));
+        table.editor().act("pen.region");
+        assert_eq!(target::of(&table.editor().state, target::Fills::Strokes), Some(region));
     }
 
     #[test]

@@ -40,6 +40,8 @@ const OFF_THE_HEAD: &str = "A stroke begins on the head: draw from the skin";
 /// What is said of strokes that nothing grows hair from.
 const NO_HAIR: &str =
     "Strokes are no hair yet: take a recipe, or wire them to a node that grows hair from them";
+const NO_HAIR_IN_REGION: &str =
+    "Nothing grows in this region yet: wire its scalp to a node that grows hair";
 
 /// What a touch with a tool begins; none where it picks.
 pub(super) fn begin(tool: PenTool, input: &Input, scene: &mut Scene) -> Begun {
@@ -112,7 +114,8 @@ impl Work for Draw {
         }
         let document = &scene.state.document;
         if !is_seen(document, &step.node) {
-            scene.say(step.at, NO_HAIR);
+            let region = target::is_region(document, &step.node);
+            scene.say(step.at, if region { NO_HAIR_IN_REGION } else { NO_HAIR });
         }
         step.tell(self.wants(step, scene), scene);
         step.also(grows_inside(document, &step.node), scene);

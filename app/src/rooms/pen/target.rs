@@ -78,19 +78,43 @@ pub(crate) fn of(state: &State, fills: Fills) -> Option<NodeId> {
         let kind = document.node(id.as_str()).map_or("", |node| &node.kind);
         filled(kind).is_some_and(|(own, _)| own == fills)
     };
-    // A head holds strokes, too, its hairline: the pen works on them only when that is asked for by pinning the head.
+    // Outlines of regions are strokes, too: those of a head are drawn only when that is asked for by pinning it.
     let fits = |id: &NodeId| {
         let sketched = sketches.as_ref().is_none_or(|sketches| sketches.has(id));
         holds(id) && sketched && (!strokes || gives_curves(document, id))
     };
     let pinned = state.pinned.as_ref().filter(|id| fits(id) || strokes && holds(id));
-    let chosen = pinned.or_else(|| state.active().filter(|id| fits(id))).cloned();
+    let active = |id: &&NodeId| fits(id) || strokes && is_region(document, id);
+    let chosen = pinned.or_else(|| state.active().filter(active)).cloned();
     chosen.or_else(|| {
         // Where none fits, none is looked for along the wires, frame by frame.
         let first = document.nodes.keys().find(|id| fits(id))?;
         let near = by_wires(document, shown(), strokes).find(fits);
         near.or_else(|| sketches.is_none().then(|| first.clone()))
     })
+}
+
+/// A node that chooses where hair grows on a head.
+const REGION: &str = "region";
+
+pub(super) fn is_region(document: &Document, id: &NodeId) -> bool {
+    document.node(id.as_str()).is_some_and(|node| node.kind == REGION)
+}
+
+/// The node whose outlines say where hair grows: the pinned or active region, else the head.
+pub(crate) fn region(state: &State) -> Option<NodeId> {
+    let mut chosen = [state.pinned.as_ref(), state.active()].into_iter().flatten();
+    let chosen = chosen.find(|id| is_region(&state.document, id));
+    chosen.cloned().or_else(|| head(&state.document))
+}
+
+/// The edits that add a region to the head, and its id. None where there is no head.
+pub(crate) fn make_region(document: &Document) -> Option<(NodeId, Vec<Edit>)> {
+    let head = head(document)?;
+    let id = document.free_id(REGION);
+    let node = document.fresh_node(REGION, &id);
+    let edits = put(&id, node, &head, Socket::new(head.clone(), "scalp"), document);
+    Some((id, edits))
 }
 
 /// Whether strokes of a node become curves.
@@ -210,6 +234,7 @@ mod tests {
             "braids": (kind: "lissajous_braid", links: {"scalp": "head.scalp", "source": "rows.curves"}),
             "out": (kind: "groom_output", links: {"curves": "braids.curves"}),
             "mask": (kind: "paint_mask", links: {"scalp": "head.scalp"}),
+            "beard": (kind: "region", links: {"scalp": "head.scalp"}),
             "sketch": (kind: "hair_sketch", links: {"scalp": "head.scalp"}),
         },
     )"#;
@@ -234,8 +259,9 @@ mod tests {
         check("", "head", "first", Strokes, "first");
         // Without a displayed node all outputs are seen.
         check("", "sketch", "", Strokes, "rows");
-        // A head holds its hairline: only when it is pinned.
+        // A head holds its hairline: only when it is pinned. A region is drawn when it is active.
         check("head", "first", "", Strokes, "head");
+        check("", "beard", "out", Strokes, "beard");
         check("rows", "head", "out", Mask, "mask");
         // Hair is sketched on what is seen.
         check("", "rows", "out", Hair, "");

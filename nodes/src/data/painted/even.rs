@@ -99,7 +99,7 @@ impl GridMeans {
                     places.push(Root { point, normal: root.normal, ..there });
                 });
             }
-            let bases = painted.bases(&places)?;
+            let bases = painted.base.on_skin(&places, &painted.scalp)?;
             let values: Vec<f32> = places
                 .iter()
                 .zip(bases)

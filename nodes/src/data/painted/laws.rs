@@ -1,6 +1,7 @@
 //! What painted masks promise: values 0 to 1, the order of strokes, sides, sections, closed lines, thin skin, other heads.
 
 use super::*;
+use crate::data::curves::TuftBuilder;
 use crate::data::outline::for_middles;
 use crate::data::scalp::HeadFrame;
 use crate::data::strokes::Sample;

@@ -1,7 +1,9 @@
 //! What `partings` promises: patterns, drawn lines, names, and that moving one line leaves the rest unchanged.
 
 use super::*;
+use crate::data::attributes::Domain;
 use crate::data::attributes::{ID, PARENT, PARTING, RADIUS, SECTION};
+use crate::data::curves::TuftBuilder;
 use crate::data::field::Field;
 use crate::define::Value;
 use crate::testing::{curves_of, run};

@@ -127,7 +127,7 @@ fn a_line_that_misses_the_skin_or_is_open_is_told_with_its_place() {
     let none = drawn(vec![Stroke::new(1, whole.samples[..2].to_vec())]);
     assert_eq!(
         fails(crate::by_id("head").unwrap(), &none),
-        "no hairline is drawn: draw a closed stroke"
+        "no outline is drawn: draw a closed stroke"
     );
     // As drawn on another head: still a region.
     if let Some(other) =

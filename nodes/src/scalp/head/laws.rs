@@ -343,7 +343,7 @@ fn hair_grows_inside_a_drawn_hairline() {
     assert!(adult(&set(0, 30)).1.iter().any(|s| s.contains("is open")));
     assert_eq!(
         fails(&NODE, &[("region", "hairline".into())]),
-        "no hairline is drawn: draw a closed stroke"
+        "no outline is drawn: draw a closed stroke"
     );
 }
 

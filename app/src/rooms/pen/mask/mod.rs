@@ -115,7 +115,7 @@ impl Work for Painting {
         step.tell(self.wants(step, scene), scene);
         let verb = match (self.brush.mode, self.brush.closed) {
             (Mode::Erase, _) => "erased mask",
-            (_, true) => "drew a hairline",
+            (_, true) => "painted an outline",
             (Mode::Paint, _) => "painted mask",
             (Mode::Smooth, _) => "smoothed mask",
             (Mode::Flood, _) => "flooded mask",
@@ -175,7 +175,7 @@ impl Pen {
                 .on_hover_text("Limit each stroke to the section that it begins in.");
         }
         if matches!(mode, Mode::Paint | Mode::Erase) {
-            ui.checkbox(&mut self.mask.closed, "Hairline")
+            ui.checkbox(&mut self.mask.closed, "Outline")
                 .on_hover_text("Treat each stroke as a closed outline and paint its inside.");
         }
     }

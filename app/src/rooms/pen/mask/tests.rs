@@ -178,7 +178,7 @@ fn escape_takes_back_a_touch_and_one_beside_the_head_does_nothing() {
 }
 
 #[test]
-fn a_closed_stroke_is_a_hairline_and_its_inside_is_hot() {
+fn a_closed_stroke_is_an_outline_and_its_inside_is_hot() {
     let mut studio = Studio::open(head(), "mask.paint");
     studio.0.editor().act("mask.hairline");
     studio.set(|pen| pen.strength = 1.0);
@@ -190,7 +190,7 @@ fn a_closed_stroke_is_a_hairline_and_its_inside_is_hot() {
         .collect();
     studio.paint(&round, 0.3);
     assert!(studio.strokes().0[0].brush.as_ref().expect("a brush").closed);
-    assert_eq!(studio.words(), "drew a hairline");
+    assert_eq!(studio.words(), "painted an outline");
     assert!(studio.heat([300.0, 300.0]) > 0.99 && studio.heat([340.0, 340.0]) > 0.99);
     assert_eq!(studio.heat([300.0, 420.0]), 0.0);
 }

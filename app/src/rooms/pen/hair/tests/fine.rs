@@ -179,7 +179,7 @@ fn a_level_by_the_papers_mean_is_told_within_two_pixels() {
 fn a_closed_stroke_on_the_head_is_where_hair_grows_in_one_step() {
     let mut table = draw_on(start(2000));
     let before = table.editor().state.document.clone();
-    table.editor().act("pen.hairline");
+    table.editor().act("pen.region");
     // A ring about the crown, seen from above and a little in front.
     let ring = |k: i32| {
         let turn = std::f32::consts::TAU * k as f32 / 60.0;
@@ -206,6 +206,6 @@ fn a_closed_stroke_on_the_head_is_where_hair_grows_in_one_step() {
     table.editor().apply(crate::core::event::Event::Undo);
     assert_eq!(table.editor().state.document, before);
     // The same again ends it.
-    table.editor().act("pen.hairline");
+    table.editor().act("pen.region");
     assert_eq!(table.editor().state.pinned, None);
 }
