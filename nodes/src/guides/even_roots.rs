@@ -50,7 +50,7 @@ impl<'a> EvenRoots<'a> {
 
     /// The region's area, cm2: [`Self::area`], except for a drawn region, whose area is known better.
     pub(crate) fn region_area(&self) -> f64 {
-        self.scalp.drawn_area().map_or(self.area(), f64::from)
+        self.scalp.exact_area().map_or(self.area(), f64::from)
     }
     /// Number of list entries per point in the region, if it was drawn over large triangles; otherwise 1.
     pub(crate) fn places_for_one(&self) -> u32 {

@@ -2,6 +2,7 @@
 
 use crate::define::NodeDef;
 
+mod direct;
 pub(crate) mod even_roots;
 mod fall;
 mod flow;

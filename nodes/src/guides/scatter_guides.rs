@@ -5,10 +5,12 @@
 //! along the parting, and ends at a corner with no way out. A parting removes the guides that would root in it and no
 //! others. Not promised: that guides stay clear of each other.
 
+use super::direct::Directions;
 use super::even_roots::{Apart, EvenRoot, EvenRoots};
 use super::grower::{CLEARANCE, Grower, bind};
 use crate::data::attributes::{DENSITY, Domain, ID, RADIUS, ROOT_BARY, ROOT_TRIANGLE};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::landmarks::Landmark;
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
 use crate::define::{FieldInput, NodeError, choice, node, unless};
 use crate::eval::{EvalCx, Size};
@@ -49,6 +51,8 @@ node! {
         [Shape]
         /// Direction in which guides lie.
         flow: Flow = Flow::Crown, words("direction part comb");
+        /// Strokes drawn on the skin, such as from nose to tail: guides lie along those beside them, instead of the flow.
+        strokes: Option<Curves>, words("direct direction drawn comb fur nose tail");
         /// Direction for that flow, in the head frame (x to the head's left, y up, z forward).
         direction: Vec3 = Vec3::NEG_Y,
             idle(|of| unless(of, "flow", "direction", "guides are laid another way"));
@@ -99,12 +103,14 @@ choice! {
 choice! {
     /// Direction in which guides lie.
     Flow {
-        /// Away from the crown in all directions, as short hair grows.
+        /// Away from the crown in all directions, as short hair grows; from nose to tail on animals.
         Crown = "crown",
         /// Straight down everywhere.
         Down = "down",
         /// From the forehead back over the head, then down.
         Back = "back",
+        /// From nose to tail along the body, as fur lies.
+        Tail = "tail",
         /// The same direction everywhere.
         Direction = "direction",
     }
@@ -124,10 +130,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let radius = inputs.radius.on(&bound, Some(scalp))?;
     let (vary, stray) = (cx.dice(inputs.seed, "length"), cx.dice(inputs.seed, "direction"));
     let grower = Grower { scalp, skin: cx.skin(scalp), points: inputs.points as usize };
-    let laid = Laid { grower, inputs: &inputs, unit: cx.unit() };
+    let strokes = inputs.strokes.as_ref();
+    let directions = strokes.and_then(|strokes| Directions::of(strokes, scalp));
+    if strokes.is_some() && directions.is_none() {
+        cx.warn("no stroke is drawn to lie along: the flow counts");
+    }
+    let drawn = strokes.map_or_else(|| KeyBuilder::new("none").finish(), Curves::key);
+    let laid = Laid { grower, inputs: &inputs, unit: cx.unit(), directions };
     let key = |i: usize| {
         let (name, root) = &roots[i];
-        KeyBuilder::new("guide").int(*name).vec3(root.point).vec3(root.normal).finish()
+        let key = KeyBuilder::new("guide").int(*name).vec3(root.point).vec3(root.normal);
+        key.key(drawn).finish()
     };
     let size = Size::of(&[("guides", roots.len() as f64), ("points", inputs.points as f64)]);
     let [curves] = cx.each_item(roots.len(), &size, key, |i, piece| {
@@ -223,6 +236,8 @@ struct Laid<'a> {
     inputs: &'a Inputs,
     /// Centimetres per head unit.
     unit: f32,
+    /// What is drawn to lie along.
+    directions: Option<Directions>,
 }
 
 impl Laid<'_> {
@@ -265,7 +280,15 @@ impl Laid<'_> {
     /// The flow on the scalp at `p`. Unit, perpendicular to `normal`.
     fn flow(&self, p: Vec3, normal: Vec3) -> Vec3 {
         let frame = self.grower.scalp.frame();
+        let drawn = self.directions.as_ref().and_then(|drawn| drawn.at(p, normal, &mut vec![]));
+        if let Some(drawn) = drawn {
+            return across(drawn, normal).unwrap_or_else(|| any_normal(normal));
+        }
+        // Without a cranium there is no crown.
+        let is_head = self.grower.scalp.landmarks().get(Landmark::Crown).is_some();
         let wanted = match self.inputs.flow {
+            Flow::Tail => -frame.forward,
+            Flow::Crown if !is_head => -frame.forward,
             Flow::Down => -frame.up,
             Flow::Back => {
                 // Straight back would end in a tuft where the head faces back: from the crown on, down.
@@ -370,6 +393,55 @@ mod tests {
         for (i, a) in roots.iter().enumerate() {
             assert!(roots[..i].iter().all(|b| a.distance(*b) >= 1.5));
         }
+    }
+
+    #[test]
+    fn guides_lie_along_the_strokes_beside_them_and_turn_between() {
+        let scalp = shared_ball();
+        // Over the top, forward on the left and backward on the right.
+        let line = |side: f32, way: f32| {
+            let place = |k: i32| Vec3::new(3.0 * side, 8.0, way * k as f32);
+            let points: Vec<Vec3> =
+                (-4..=4).map(|k| scalp.closest_root(place(k)).unwrap().point).collect();
+            let mut b = TuftBuilder::new();
+            b.push_curve(&points);
+            Arc::new(b.build())
+        };
+        let strokes = Curves::new(vec![line(1.0, 1.0), line(-1.0, -1.0)]);
+        let straight = [("randomness", 0.0), ("droop", 0.0), ("lie", 5.0), ("length", 1.0)];
+        let straight = straight.map(|(name, x)| (name, Value::Float(x)));
+        let set = [&[("strokes", strokes.into()), ("count", Value::Int(2000))], &straight[..]];
+        let (mut along, mut across) = (0, 0);
+        for (tuft, i) in scatter(&set.concat()).each() {
+            let points = tuft.curve(i);
+            let (root, way) = (points[0], (points[9] - points[0]).normalize());
+            let beside = (root.x.abs() - 3.0).abs() < 0.8 && root.y > 7.0 && root.z.abs() < 3.0;
+            if beside {
+                let aside = way.x.abs();
+                assert!(way.z * root.x.signum() > 0.7 && aside < 0.35, "{root}: {way}");
+                along += 1;
+            }
+            across += usize::from(root.x.abs() < 0.3 && way.z.abs() < 0.7);
+        }
+        assert!(along > 30 && across > 5, "{along}, {across}");
+    }
+
+    #[test]
+    fn fur_of_an_animal_runs_from_nose_to_tail() {
+        let Some(file) = crate::testing::shared_file("rat/street_rat_4k.gltf") else {
+            println!("skipped: fur_of_an_animal_runs_from_nose_to_tail needs ../shared/data/rat");
+            return;
+        };
+        let set = [("mesh", Value::File(file)), ("fit", Value::from("none"))];
+        let rat = crate::testing::head(&set);
+        let forward = rat.frame().forward;
+        let (out, _) = run(&NODE, &[("scalp", rat.into()), ("length", Value::Float(0.5))]);
+        let way = |(tuft, i): (&Tuft, usize)| {
+            let points = tuft.curve(i);
+            (points[9] - points[0]).normalize_or_zero().dot(forward)
+        };
+        let back = curves_of(&out[0]).each().filter(|one| way(*one) < 0.1).count();
+        assert!(back > 270, "{back} of 300");
     }
 
     #[test]
