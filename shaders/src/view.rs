@@ -12,7 +12,8 @@ mod colour;
 mod measure;
 
 pub use colour::Ramp;
-pub(crate) use colour::{of_id, over, swatch};
+pub use colour::swatch;
+pub(crate) use colour::{of_id, over};
 
 use coif_nodes::data::attributes::{
     BRAID, COLOUR, Column, Domain, GROUP, PARENT, SECTION, STRAND, WIDTH, unit_of,

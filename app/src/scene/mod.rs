@@ -1,6 +1,7 @@
 //! What stands before the camera, for pictures of the command line and of the viewport alike: heads on their ground, and
 //! hair, or what it follows, in the colours of a view.
 
+pub(crate) mod heat;
 pub(crate) mod looks;
 
 use coif_nodes::data::attributes::{Domain, ID, WIDTH};

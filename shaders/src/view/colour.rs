@@ -29,7 +29,7 @@ pub(crate) fn pack_colour(colour: Vec3) -> u32 {
 }
 
 /// An sRGB swatch, `0xRRGGBB`, as linear light.
-pub(crate) fn swatch(hex: u32) -> Vec3 {
+pub fn swatch(hex: u32) -> Vec3 {
     let [_, r, g, b] = hex.to_be_bytes();
     linear_from_srgb(Vec3::new(r.into(), g.into(), b.into()) / 255.0)
 }

@@ -73,6 +73,8 @@ fn wrong_words_are_refused_in_one_line_and_nothing_is_touched() {
         (&["--model", "phong"], "karis"),
         (&["--skin", "11"], "clay"),
         (&["--skin", "green"], "clay"),
+        (&["--overlay", "heat"], "mask=NAME"),
+        (&["--overlay", "region=hair"], "gives a scalp"),
         (&["--opacity", "1.5"], "--opacity"),
         (&["--share", "0"], "--share"),
         (&["--exposure", "inf"], "--exposure"),
@@ -259,6 +261,30 @@ fn light_and_skin_that_are_saved_with_the_groom_are_drawn_with_unless_others_are
     assert!(ran.err.contains("this version has no light \"disco\""), "{}", ran.err);
     let usual = drawn("start", &[]);
     assert!(saved != usual && usual == drawn(&graph, &["--light", "studio", "--skin", "5"]));
+}
+
+#[test]
+fn an_overlay_lays_the_region_or_a_mask_as_heat_on_the_skin() {
+    if !adapter("an_overlay_lays_the_region_or_a_mask_as_heat_on_the_skin") {
+        return;
+    }
+    let folder = Folder::new("render-overlay");
+    let drawn = |more: &[&str]| {
+        let ran = render(&folder, &[&["--opacity", "0"], more].concat());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        std::fs::read(folder.path("hair.png")).unwrap()
+    };
+    let region = drawn(&["--overlay", "region"]);
+    assert!(region != drawn(&[]));
+    // Where hair grows on the built-in head is its mask of this name.
+    assert!(region == drawn(&["--overlay", "mask=scalp"]));
+    let ran = render(&folder, &["--overlay", "mask=beard"]);
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    assert!(
+        ran.err.contains("--overlay: the scalp has no mask \"beard\"; it has: "),
+        "{}",
+        ran.err
+    );
 }
 
 #[test]

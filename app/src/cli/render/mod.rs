@@ -90,6 +90,10 @@ pub(crate) struct RenderArgs {
     /// auto, the file's where it has a colour map and else 5. Without it the one saved with the groom, else auto
     #[arg(long, value_name = "auto|file|1..10|clay")]
     skin: Option<String>,
+    /// Heat on the skin: where hair grows (region), or what a mask says (mask=NAME: a mask of the head, a section, or a node that
+    /// paints one)
+    #[arg(long, value_name = "region[=NODE]|mask=NAME")]
+    overlay: Option<String>,
     /// See through hair: 1 is hair, 0.1 shows roots and skin
     #[arg(long, value_name = "0..1", default_value_t = 1.0, allow_negative_numbers = true)]
     opacity: f32,
@@ -130,6 +134,7 @@ impl RenderArgs {
             display: DISPLAY.to_owned(),
             model: MODEL.to_owned(),
             skin: None,
+            overlay: None,
             opacity: 1.0,
             share: 1.0,
             chart: false,
@@ -218,6 +223,11 @@ impl RenderArgs {
                 }
                 None => Skin::Auto,
             },
+            overlay: self
+                .overlay
+                .as_deref()
+                .map(|text| text.parse().map_err(|why| Stop::refused(format!("--overlay {why}"))))
+                .transpose()?,
             cameras: self.camera.clone(),
             chart: self.chart,
             head: !self.no_head,

@@ -4,6 +4,7 @@
 //! complete. What is asked for is typed; who asks, and in which words, is not known here.
 
 pub(crate) mod files;
+mod overlay;
 mod place;
 pub(crate) mod probe;
 
@@ -32,6 +33,7 @@ use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Precision, Renderer, chart};
 use files::Format;
+use overlay::Overlay;
 use place::ShotView;
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -66,6 +68,8 @@ pub(crate) struct RenderRequest {
     pub(crate) look: Look,
     /// What colours heads.
     pub(crate) skin: Skin,
+    /// What is drawn as heat on heads.
+    pub(crate) overlay: Option<Overlay>,
     /// Whether a colour chart, a grey and a chrome ball are drawn into a corner.
     pub(crate) chart: bool,
     /// Whether heads are drawn, and the ground under them.
@@ -93,6 +97,7 @@ impl Default for RenderRequest {
             transform: Transform::default(),
             look: Look::default(),
             skin: Skin::Auto,
+            overlay: None,
             chart: false,
             head: true,
             floor: true,
@@ -196,8 +201,10 @@ fn draw_shots(
             feeders(&opened.document, opened.outputs.iter().map(|output| &output.socket.node))
         }
     };
-    let more: Vec<Socket> =
-        followed.iter().chain(places.iter().filter_map(ShotView::socket)).cloned().collect();
+    let overlaid = asked.overlay.as_ref().map(|overlay| overlay.socket(&opened.document));
+    let overlaid = overlaid.transpose()?.flatten();
+    let seen = followed.iter().chain(places.iter().filter_map(ShotView::socket));
+    let more: Vec<Socket> = seen.chain(&overlaid).cloned().collect();
     if followed.is_empty() && !matches!(asked.show, Show::Hair(_)) {
         return Err(Stop::refused(format!(
             "--view {}: no node on the way to the outputs makes hair that follows curves",
@@ -238,10 +245,16 @@ fn draw_shots(
     let (mut renderer, device_ms) = device.wait()?;
     let began = Instant::now();
     let frame = evaluated.scalps.first().map_or(HeadFrame::IDENTITY, |scalp| *scalp.frame());
-    let closest = evaluated.more.split_off(followed.len());
+    let mut closest = evaluated.more.split_off(followed.len());
+    let overlaid = overlaid.and_then(|_| closest.pop());
     let looks =
         decoding.join().map_err(|_| Stop::failed("a picture of the head cannot be read"))?;
-    let scene = Scene::of(asked, evaluated, &looks, &mut report.warnings)?;
+    let heat = match asked.overlay.as_ref().filter(|_| asked.head) {
+        Some(overlay) => overlay.solids(&evaluated, overlaid.as_ref(), asked.skin.tone())?,
+        None => vec![],
+    };
+    let mut scene = Scene::of(asked, evaluated, &looks, &mut report.warnings)?;
+    scene.solids.extend(heat);
     let mut closest = closest.iter();
     let stills = places.iter().map(|place| {
         place.camera(asked, &scene.subject(), place.socket().and_then(|_| closest.next()))

@@ -1,9 +1,9 @@
 //! A mask as heat on the head, over the picture: blue where there is little, red where it is full.
 //!
-//! The head's triangles are cut finer, so that a small brush shows its own edge and not that of the mesh. Values are made a
-//! part in each frame, so that a frame stays short on any head; what is not yet known shows what was.
+//! Values are made a part in each frame, so that a frame stays short on any head; what is not yet known shows what was.
 
 use crate::core::projection::Projection;
+use crate::scene::heat::{self, LEAST, places};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::painted::Painted;
 use coif_nodes::data::scalp::{Root, Scalp};
@@ -11,8 +11,6 @@ use coif_nodes::define::Value;
 use coif_nodes::maths::hash::Key;
 use egui::epaint::{Mesh, Vertex};
 use egui::{Color32, Painter, Pos2, Shape};
-use glam::Vec2;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -20,15 +18,8 @@ use std::time::{Duration, Instant};
 const A_FRAME: Duration = Duration::from_millis(4);
 /// Values that are made between two looks at the clock.
 const AT_ONCE: usize = 256;
-/// The most places on a head, and how far apart they are to be, head units.
-const MOST: usize = 60_000;
-const FINE: f32 = 0.3;
-/// What lies farther from the middle of the cranium, in its radii, is shoulder.
-const FAR: f32 = 1.8;
 /// How much of what lies under it heat hides, of 255: hair stays in sight where a mask is full.
 const OPACITY: f32 = 95.0;
-/// Less is not shown.
-const LEAST: f32 = 0.004;
 
 /// Heat on one head.
 #[derive(Default)]
@@ -131,63 +122,11 @@ impl Heat {
     }
 }
 
-/// Blue, green, yellow, red; what is 0 is not seen.
+/// What is 0 is not seen.
 fn colour(value: f32) -> Color32 {
-    const STOPS: [[f32; 3]; 4] =
-        [[40.0, 70.0, 255.0], [30.0, 200.0, 120.0], [255.0, 205.0, 40.0], [255.0, 40.0, 25.0]];
-    let x = value.clamp(0.0, 1.0) * 3.0;
-    let (i, part) = ((x as usize).min(2), x - (x as usize).min(2) as f32);
-    let [r, g, b] = [0, 1, 2].map(|k| STOPS[i][k] + (STOPS[i + 1][k] - STOPS[i][k]) * part);
+    let [r, g, b] = heat::colour(value);
     let alpha = OPACITY * (value * 5.0).clamp(0.0, 1.0);
-    Color32::from_rgba_unmultiplied(r as u8, g as u8, b as u8, alpha as u8)
-}
-
-/// Places on a head, and the triangles between them.
-fn places(scalp: &Scalp) -> (Vec<Root>, Vec<[u32; 3]>) {
-    let (surface, frame) = (scalp.surface(), scalp.frame());
-    let near = |t: &u32| {
-        let middle = surface.at(*t, Vec2::splat(1.0 / 3.0));
-        !surface.is_gone(*t) && middle.distance(frame.origin) < FAR * frame.radius
-    };
-    let shown: Vec<u32> = (0..surface.triangles.len() as u32).filter(near).collect();
-    let area: f32 = shown.iter().map(|t| surface.area_vector(*t).length()).sum();
-    let side = (2.0 * area / shown.len().max(1) as f32).sqrt();
-    // A triangle in n x n has about n x n / 2 places of its own.
-    let fits = |n: &usize| shown.len() * n * n / 2 <= MOST;
-    let most = (1..=6).rev().find(fits).unwrap_or(1);
-    let cuts = ((side / (FINE * frame.unit())).ceil() as usize).clamp(1, most) as u32;
-    let every = (shown.len() / (4 * MOST)).max(1);
-    let (mut places, mut triangles) = (vec![], vec![]);
-    let mut known: BTreeMap<(u32, u32, u32), u32> = BTreeMap::new();
-    for t in shown.into_iter().step_by(every) {
-        let corners = surface.triangles[t as usize];
-        // i steps towards the second corner and j towards the third.
-        let mut place = |i: u32, j: u32| {
-            let k = cuts - i - j;
-            let ends = [(corners[0], k), (corners[1], i), (corners[2], j)];
-            let mut on: Vec<(u32, u32)> = ends.into_iter().filter(|(_, n)| *n > 0).collect();
-            on.sort_unstable();
-            let name = match on[..] {
-                [(v, _)] => (v, v, 0),
-                [(v, n), (w, _)] => (v, w, n),
-                _ => (u32::MAX, t, i * cuts + j),
-            };
-            *known.entry(name).or_insert_with(|| {
-                let bary = Vec2::new(i as f32, j as f32) / cuts as f32;
-                places.push(scalp.root(t, bary));
-                places.len() as u32 - 1
-            })
-        };
-        for i in 0..cuts {
-            for j in 0..cuts - i {
-                triangles.push([place(i, j), place(i + 1, j), place(i, j + 1)]);
-                if i + j + 2 <= cuts {
-                    triangles.push([place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)]);
-                }
-            }
-        }
-    }
-    (places, triangles)
+    Color32::from_rgba_unmultiplied(r, g, b, alpha as u8)
 }
 
 #[cfg(test)]
