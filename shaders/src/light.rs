@@ -163,6 +163,17 @@ impl Rig {
         Self { lights: self.lights.map(white), environment: self.environment.grey(), ..*self }
     }
 
+    /// The same rig turned about the vertical, anticlockwise as seen from above: lights and surroundings, but for
+    /// the backdrop, which is seen and not cast. As bright as before.
+    pub fn turned(&self, degrees: f32) -> Self {
+        if degrees % 360.0 == 0.0 || !degrees.is_finite() {
+            return self.clone();
+        }
+        let turn = Quat::from_rotation_y(degrees.to_radians());
+        let lights = self.lights.map(|l| Light { towards: turn * l.towards, ..l });
+        Self { lights, environment: self.environment.turned(turn), ..*self }
+    }
+
     /// Luminance of an unshadowed grey card that faces `n` (in the rig's own directions), exposed.
     pub fn grey_card(&self, n: Vec3) -> f32 {
         let direct: Vec3 =
@@ -290,6 +301,22 @@ mod tests {
                 assert!((0.5..=90.0).contains(&light.size_degrees), "{name}");
             }
             assert!(rig.environment.mean().min_element() > 0.0, "{name}");
+        });
+    }
+
+    #[test]
+    fn a_turned_rig_lights_from_elsewhere_and_as_brightly() {
+        each_rig(|name, rig| {
+            let quarter = rig.turned(90.0);
+            // What came from the front comes from the right.
+            let (before, now) = (rig.grey_card(Vec3::Z), quarter.grey_card(Vec3::X));
+            assert!((before - now).abs() < 1e-4, "{name}: {before} {now}");
+            assert_eq!(quarter.exposure, rig.exposure);
+            assert_eq!(rig.turned(-720.0), rig, "{name}");
+            let back = quarter.turned(-90.0);
+            for (a, b) in back.lights.iter().zip(rig.lights) {
+                assert!(a.towards.distance(b.towards) < 1e-5, "{name}");
+            }
         });
     }
 

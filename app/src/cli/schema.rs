@@ -237,7 +237,9 @@ fn shared() -> Map<String, Json> {
         "orthographic": number(0.0, 1e4),
     });
     let word = json!({"type": "string", "pattern": "^[A-Za-z0-9-]{1,64}$"});
-    let look = json!({"light": word, "exposure": number(-20.0, 20.0), "skin": word});
+    let look = json!({
+        "light": word, "exposure": number(-20.0, 20.0), "turn": number(-180.0, 180.0), "skin": word
+    });
     let points = json!({"type": "integer", "minimum": 1, "maximum": 1u64 << 53});
     let budget = json!({"seconds": number(1e-3, 1e9), "points": points, "mib": number(1e-3, 1e9)});
     let wires = json!({"oneOf": [reference("socket"), list(reference("socket"), 1)]});

@@ -122,6 +122,8 @@ pub enum Purpose {
     Export,
     /// Where a picture is written.
     Picture,
+    /// A photographed sphere that lights the picture.
+    Surroundings,
 }
 
 /// How a head is understood: the inputs of the head node that people may have to correct.

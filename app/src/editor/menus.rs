@@ -7,6 +7,7 @@ use super::documents;
 use super::keys::name_of;
 use crate::core::room::Room;
 use crate::core::state::Select;
+use crate::rooms::viewport::input::drags;
 use crate::widgets::text::spoken;
 use crate::widgets::{panel, theme};
 use coif_graphs::document::NodeId;
@@ -127,6 +128,15 @@ pub(crate) fn key_sheet(editor: &mut Editor, ctx: &egui::Context) {
         .show(ctx, |ui| {
             panel::body(ui, 300.0, |ui| {
                 egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+                    let drags = match room {
+                        Room::Viewport => drags(editor.state.settings.navigation),
+                        _ => vec![],
+                    };
+                    for (what, drag) in drags {
+                        ui.label(what);
+                        ui.monospace(format!("{drag} drag"));
+                        ui.end_row();
+                    }
                     for (id, keys) in editor.keys.in_room(room) {
                         let Some(action) = actions::by_id(id) else { continue };
                         let names: Vec<String> = keys.iter().map(name_of).collect();

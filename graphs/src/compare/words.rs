@@ -7,7 +7,7 @@ use super::diff::{Change, Drawn, changes, diff, drawn, value};
 use super::fact::{Fact, Limit, Said, facts};
 use super::follow::led_to;
 use super::lists::{is_in_one_order, numbered};
-use crate::document::{Document, FileEntry, NodeId, Setting, Socket};
+use crate::document::{Document, FileEntry, NodeId, SavedLook, Setting, Socket};
 use crate::text::write_value;
 use coif_nodes::data::gestures::{Gestures, Tool};
 use coif_nodes::declared::{Interface, Port};
@@ -103,8 +103,9 @@ pub(super) fn plain(said: &Said) -> String {
         }
         Said::Thumbnail(thumbnail) => thumbnail.to_string(),
         Said::Limit(Limit(term, x)) => term.amount(*x),
-        Said::Look(look) => {
-            format!("light {:?}, exposure {:?}, skin {:?}", look.light, look.exposure, look.skin)
+        Said::Look(SavedLook { light, exposure, turn, skin }) => {
+            let turn = if *turn == 0.0 { String::new() } else { format!("turned {turn:?}°, ") };
+            format!("light {light:?}, exposure {exposure:?}, {turn}skin {skin:?}")
         }
         Said::Ports(ports) => {
             let one = |port: &Port| {

@@ -78,6 +78,8 @@ pub struct SavedLook {
     pub light: String,
     /// Brighter or darker than the lights' own exposure, stops within ±20.
     pub exposure: f32,
+    /// The lights turned about the vertical, anticlockwise as seen from above, degrees within ±180.
+    pub turn: f32,
     /// The skin.
     pub skin: String,
 }
@@ -93,6 +95,8 @@ impl SavedLook {
             Some("light and skin are words of 1 to 64 letters, digits and hyphens")
         } else if !(-20.0..=20.0).contains(&self.exposure) {
             Some("its exposure is not within -20 to 20 stops")
+        } else if !(-180.0..=180.0).contains(&self.turn) {
+            Some("its turn is not within -180 to 180 degrees")
         } else {
             None
         }
@@ -102,8 +106,8 @@ impl SavedLook {
 /// By bits, so that equality holds for every value.
 impl PartialEq for SavedLook {
     fn eq(&self, other: &Self) -> bool {
-        let bits = (self.exposure.to_bits(), other.exposure.to_bits());
-        (&self.light, &self.skin) == (&other.light, &other.skin) && bits.0 == bits.1
+        let bits = |look: &Self| [look.exposure, look.turn].map(f32::to_bits);
+        (&self.light, &self.skin) == (&other.light, &other.skin) && bits(self) == bits(other)
     }
 }
 impl Eq for SavedLook {}

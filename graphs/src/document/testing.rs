@@ -468,7 +468,9 @@ impl Random {
             }
             27 => {
                 let light = self.pick(&["studio", "of-tomorrow", "", "a b"]).to_owned();
-                let look = SavedLook { light, exposure: 30.0 * self.unit(), skin: "5".to_owned() };
+                let (exposure, skin) = (30.0 * self.unit(), "5".to_owned());
+                let turn = if self.chance(2) { 0.0 } else { 200.0 * self.unit() };
+                let look = SavedLook { light, exposure, turn, skin };
                 match self.chance(2) {
                     true => Edit::SetThumbnail((!self.chance(4)).then(|| self.thumbnail())),
                     false => Edit::SetLook((!self.chance(4)).then_some(look)),

@@ -198,6 +198,8 @@ struct FileLook {
     light: String,
     #[serde(default)]
     exposure: f32,
+    #[serde(default)]
+    turn: f32,
     skin: String,
 }
 
@@ -482,8 +484,8 @@ fn convert(text: &str, groom: FileGroom) -> Result<Loaded, FileError> {
             reader.refused.get_or_insert((at, format!("budget: {why}")));
         }
     }
-    if let Some(FileLook { light, exposure, skin }) = groom.look {
-        let look = SavedLook { light, exposure, skin };
+    if let Some(FileLook { light, exposure, turn, skin }) = groom.look {
+        let look = SavedLook { light, exposure, turn, skin };
         match look.fault() {
             Some(why) => {
                 let place = FileEntry::Field("look".to_owned());

@@ -63,7 +63,7 @@ const OLD: &str = r#"// Cornrows for the wedding scene.
         "hero": (eye: (31.5, 8.0, 42.0), target: (0.0, 1.5, 0.0), up: (0.0, 1.0, 0.0), focal_mm: 85.0),
     },
     // as it was approved
-    look: (light: "dark-hair", exposure: 0.5, skin: "8"),
+    look: (light: "dark-hair", exposure: 0.5, turn: -30.0, skin: "8"),
     // for the laptop
     budget: (seconds: 2.5, points: 5000000, mib: 900.0),
     layout: {

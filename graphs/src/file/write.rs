@@ -171,11 +171,15 @@ impl Writer<'_> {
                 });
             });
         }
-        if let Some(SavedLook { light, exposure, skin }) = &document.look {
+        if let Some(SavedLook { light, exposure, turn, skin }) = &document.look {
             out.field("look", |out| {
                 out.text("(light: ");
                 out.quoted(light);
-                let _ = write!(out.out, ", exposure: {exposure:?}, skin: ");
+                let _ = write!(out.out, ", exposure: {exposure:?}");
+                if *turn != 0.0 {
+                    let _ = write!(out.out, ", turn: {turn:?}");
+                }
+                out.text(", skin: ");
                 out.quoted(skin);
                 out.text(")");
             });

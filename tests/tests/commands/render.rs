@@ -84,7 +84,7 @@ fn wrong_words_are_refused_in_one_line_and_nothing_is_touched() {
         (&["--hdri", &text], "text.hdr"),
         (&["--hdri", &exr], "short.exr"),
         (&["--hdri", &kind], "OpenEXR"),
-        (&["--hdri-rotation", "90"], "--hdri"),
+        (&["--hdri-blur", "9"], "--hdri"),
         (&["--hdri", &text, "--light", "flat"], "one of them"),
         (&["--turntable", "3"], "%04d"),
         (&["--out", &numbered], "--turntable"),

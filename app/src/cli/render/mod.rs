@@ -8,18 +8,18 @@ use super::Exit;
 use super::carry_out::carry_out;
 use super::groom::GroomArgs;
 use super::progress::Bar;
-use crate::files::{Together, read_at_most};
+use crate::files::Together;
 use crate::jobs::open::writes_all;
 use crate::jobs::render::files::{self, Format, Series};
 use crate::jobs::render::{self, RenderRequest};
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
+use crate::scene::lights::{Lights, Surroundings};
 use crate::scene::{Show, Skin};
 use clap::Args;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::CancelToken;
 use coif_shaders::display::Transform;
-use coif_shaders::hdri::Hdri;
 use coif_shaders::light::Rig;
 use coif_shaders::{Look, Model};
 use std::path::PathBuf;
@@ -71,9 +71,15 @@ pub(crate) struct RenderArgs {
     /// Light from a photographed sphere instead: .hdr or .exr, equirectangular
     #[arg(long, value_name = "FILE")]
     hdri: Option<PathBuf>,
-    /// Turn that sphere about the vertical, in degrees, anticlockwise as seen from above
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    hdri_rotation: Option<f32>,
+    /// Turn the lights, or that sphere, about the vertical, in degrees, anticlockwise as seen from above: what is saved with the
+    /// groom's lights, else 0
+    #[arg(
+        long,
+        visible_alias = "hdri-rotation",
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
+    light_rotation: Option<f32>,
     /// Blur that sphere behind the head, in degrees; its light stays as it is
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     hdri_blur: Option<f32>,
@@ -128,7 +134,7 @@ impl RenderArgs {
             view: VIEW.to_owned(),
             light: None,
             hdri: None,
-            hdri_rotation: None,
+            light_rotation: None,
             hdri_blur: None,
             exposure: None,
             display: DISPLAY.to_owned(),
@@ -172,6 +178,7 @@ impl RenderArgs {
             if Rig::NAMES.contains(&look.light.as_str()) {
                 args.light = Some(look.light.clone());
                 args.exposure = args.exposure.or(Some(look.exposure));
+                args.light_rotation = args.light_rotation.or(Some(look.turn));
             } else {
                 unknown("light", &look.light);
             }
@@ -271,36 +278,37 @@ impl RenderArgs {
 
     /// Lights and surroundings: those of a name, or those of a file.
     fn rig(&self) -> Result<Rig, Stop> {
-        let turn = within("--hdri-rotation", self.hdri_rotation.unwrap_or(0.0), TURNS, " degrees")?;
+        let turn =
+            within("--light-rotation", self.light_rotation.unwrap_or(0.0), TURNS, " degrees")?;
         let blur = within("--hdri-blur", self.hdri_blur.unwrap_or(0.0), (0.0, 180.0), " degrees")?;
         let exposure = within("--exposure", self.exposure.unwrap_or(0.0), (-20.0, 20.0), " stops")?;
-        let mut rig = match (&self.light, &self.hdri) {
+        let lights = match (&self.light, &self.hdri) {
             (Some(_), Some(_)) => {
                 return Err(Stop::refused("--light and --hdri: the light comes from one of them"));
             }
             (light, None) => {
-                if self.hdri_rotation.or(self.hdri_blur).is_some() {
-                    let text = "--hdri-rotation and --hdri-blur change the sphere of --hdri, and there is none";
+                if self.hdri_blur.is_some() {
+                    let text = "--hdri-blur blurs the sphere of --hdri, and there is none";
                     return Err(Stop::refused(text));
                 }
+                let known = |name: &str| Rig::NAMES.into_iter().find(|known| *known == name);
                 let name = light.as_deref().unwrap_or(Rig::NAMES[0]);
-                words::named("--light", name, &Rig::NAMES, Rig::named)?
+                let name = words::named("--light", name, &Rig::NAMES, known)?;
+                Lights { name, around: None, turn }
             }
             (None, Some(path)) => {
                 let fault =
                     |reason: String| Stop::refused(format!("--hdri {}: {reason}", path.display()));
-                let bytes = read_at_most(path, MOST_HDRI).map_err(fault)?;
-                let sphere = Hdri::read(&bytes).map_err(|err| fault(err.to_string()))?;
-                sphere.rig(turn, blur)
+                let around = Surroundings::read(path).map_err(fault)?;
+                Lights { name: Rig::NAMES[0], around: Some((around, blur)), turn }
             }
         };
+        let mut rig = lights.rig();
         rig.exposure += exposure;
         Ok(rig)
     }
 }
 
-/// The largest file of surroundings that is read: 8192 x 4096 pixels of three floats, and some room.
-const MOST_HDRI: u64 = 512 << 20;
 /// Degrees that may be asked for.
 const TURNS: (f32, f32) = (-36000.0, 36000.0);
 

@@ -88,7 +88,7 @@ pub(super) fn hovering(ctx: &egui::Context) {
             .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
             .show(ctx, |ui| {
                 egui::Frame::popup(ui.style()).show(ui, |ui| {
-                    ui.heading("Drop a groom to open it, or a mesh to grow hair on it");
+                    ui.heading("Drop a groom to open it, a mesh to grow hair on it, or an .hdr or .exr to light it");
                 });
             });
     }

@@ -5,6 +5,7 @@
 
 use crate::core::documents::Purpose;
 use crate::jobs::render::files::Format as Pictures;
+use crate::scene::lights::Surroundings;
 use coif_nodes::formats::export::Format;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,6 +26,7 @@ impl Purpose {
             Self::Save => "Save the groom as",
             Self::Export => "Export hair as",
             Self::Picture => "Save a picture as",
+            Self::Surroundings => "Choose surroundings",
         }
     }
     /// Whether the file may be new.
@@ -38,6 +40,7 @@ impl Purpose {
             Self::Mesh | Self::NewHead | Self::Find => ("Meshes", MESHES),
             Self::Export => ("Hair", HAIR),
             Self::Picture => ("Pictures", PICTURES),
+            Self::Surroundings => ("Surroundings", Surroundings::ENDINGS),
         }
     }
     /// A chosen path with an ending that fits.

@@ -13,6 +13,7 @@ use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::state::State;
 use crate::editor::Editor;
+use crate::scene::lights::Surroundings;
 use coif_graphs::schedule::files::named;
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
@@ -93,7 +94,7 @@ fn warned(state: &State, warning: &str) -> Option<Note> {
     (!known).then(|| Note::warning(format!("{name}: {text}")).of(id.clone()))
 }
 
-/// A file dropped on the window: a groom is opened, a mesh becomes the head.
+/// A file dropped on the window: a groom is opened, a mesh becomes the head, a photographed sphere lights the picture.
 fn drop_file(editor: &mut Editor, path: &Path) {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let event = match ending.as_str() {
@@ -102,11 +103,15 @@ fn drop_file(editor: &mut Editor, path: &Path) {
             // What is not read is refused by the reader, which says what to do instead.
             DocumentEvent::Mesh(path.to_owned())
         }
+        sphere if Surroundings::ENDINGS.contains(&sphere) => {
+            return editor.viewport.surround(path, editor.documents.waker());
+        }
         _ => {
             let text = format!(
-                "{}: drop a groom (.ron) or a mesh (.{})",
+                "{}: drop a groom (.ron), a mesh (.{}) or surroundings (.{})",
                 path.display(),
-                MESHES.join(", .")
+                MESHES.join(", ."),
+                Surroundings::ENDINGS.join(", ."),
             );
             return editor.state.apply(Event::Say(Note::warning(text)));
         }

@@ -284,6 +284,7 @@ impl Editor {
             (Purpose::Save, _) => self.apply_to_file(DocumentEvent::SaveTo(path)),
             (Purpose::Export, _) => self.export(Content::Hair, path),
             (Purpose::Picture, _) => self.picture(path, PICTURE),
+            (Purpose::Surroundings, _) => self.viewport.surround(&path, self.documents.waker()),
             (Purpose::Find, Some((node, input))) => {
                 let name = self.name_for(&path);
                 let setting = Setting::Known(Value::Text(name.into()));

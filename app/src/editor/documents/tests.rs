@@ -251,7 +251,7 @@ fn grooms_and_meshes_are_dropped_on_the_window() {
     press(&mut ui, "Discard");
     assert_ne!(ui.state().state.document.seed, 99);
     drop_on(&mut ui, &folder.path("notes.txt"));
-    assert!(said(&ui, Gravity::Warning)[0].contains("drop a groom (.ron) or a mesh"));
+    assert!(said(&ui, Gravity::Warning)[0].contains("drop a groom (.ron), a mesh"));
     // A mesh beside the groom becomes its head, by a short name, in one step.
     std::fs::write(folder.path("head.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let before = ui.state().state.document.clone();
@@ -311,6 +311,43 @@ fn bust_with_a_bun() -> String {
         let _ = writeln!(text, "f {} {} {}", a + n, b + n, c + n);
     }
     text
+}
+
+#[test]
+fn a_photographed_sphere_that_is_dropped_lights_the_picture() {
+    let folder = Folder::new("life-sphere");
+    let (mut ui, _) = on_empty_head();
+    let mut sphere = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n".to_vec();
+    sphere.extend([128, 128, 128, 129].repeat(32));
+    std::fs::write(folder.path("sky.hdr"), sphere).unwrap();
+    std::fs::write(folder.path("broken.exr"), "no sphere").unwrap();
+    let dropped = |ui: &mut Ui, name: &str| {
+        drop_on(ui, &folder.path(name));
+        until("it is read", || {
+            ui.step();
+            !ui.state().viewport.is_reading()
+        });
+        ui.step();
+        ui.state().viewport.options.lights()
+    };
+    let lights = dropped(&mut ui, "sky.hdr");
+    let (around, _) = lights.around.expect("it is taken");
+    assert_eq!(around.path, folder.path("sky.hdr"));
+    assert!(said(&ui, Gravity::Note).pop().unwrap().starts_with("lit by "));
+    assert!(!is_changed(&ui), "the groom names no file of light");
+    let kept = dropped(&mut ui, "broken.exr");
+    assert_eq!(kept.around.map(|(around, _)| around), Some(around.clone()));
+    let told = said(&ui, Gravity::Warning).pop().unwrap();
+    assert!(told.contains("broken.exr: ") && told.contains("neither"), "{told}");
+    // Pictures are saved in the same light, and a rig takes its place.
+    press(&mut ui, "Look ⏷");
+    ui.run_steps(2);
+    press(&mut ui, "Lights: sky.hdr ⏵");
+    ui.run_steps(2);
+    press(&mut ui, "backlit");
+    ui.run_steps(2);
+    let options = &ui.state().viewport.options;
+    assert_eq!((options.lights().around, options.rig()), (None, "backlit"));
 }
 
 #[test]

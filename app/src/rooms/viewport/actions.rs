@@ -4,6 +4,7 @@ use super::navigation::{FOCALS, with_focal, with_parallel_rays};
 use super::select::names;
 use super::{Step, Viewport};
 use crate::core::action::{Action, Can, Of, always};
+use crate::core::documents::{DocumentEvent, Purpose};
 use crate::core::event::Event;
 use crate::core::room::Room;
 use crate::core::state::{Select, State};
@@ -95,6 +96,20 @@ macro_rules! key_step {
             menu: "",
             when: always,
             run: |viewport, state, _| viewport.step(state, state.now, $step),
+        }
+    };
+}
+
+macro_rules! light {
+    ($id:literal, $label:literal, $degrees:expr) => {
+        Action {
+            id: $id,
+            label: $label,
+            tip: "Turn the lights about the head; or drag over the picture with Shift and the right button.",
+            words: "rotate lamp sun hdri environment key",
+            menu: "View",
+            when: always,
+            run: |viewport, _, _| viewport.options.turn_light($degrees),
         }
     };
 }
@@ -230,6 +245,17 @@ pub(crate) const ACTIONS: &[Of<Viewport>] = &[
         menu: "View",
         when: always,
         run: |viewport, _, _| viewport.options.expose(-STOP),
+    },
+    light!("view.light_left", "Turn the light left", -TURN),
+    light!("view.light_right", "Turn the light right", TURN),
+    Action {
+        id: "view.surroundings",
+        label: "Surroundings…",
+        tip: "Light the picture by a photographed sphere (.hdr, .exr). You can also drop one on the window.",
+        words: "hdri environment map ibl sky image based lighting exr",
+        menu: "View",
+        when: always,
+        run: |_, _, out| out.push(Event::Documents(DocumentEvent::Ask(Purpose::Surroundings))),
     },
     toggle!(
         "view.head",

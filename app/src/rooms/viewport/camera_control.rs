@@ -13,7 +13,7 @@ use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::Value;
 use coif_shaders::Camera;
 use coif_shaders::camera::{self, Subject, Viewpoint};
-use egui::{Key, PointerButton, Pos2, Response, Vec2};
+use egui::{Key, Modifiers, PointerButton, Pos2, Response, Vec2};
 use glam::Vec3;
 use std::sync::mpsc::{TryRecvError, channel};
 
@@ -230,6 +230,7 @@ impl Viewport {
                 self.begin_motion(state, motion, button, ui);
             }
         }
+        self.turn_light(ui, response, keys, space);
         if let Some((button, drag)) = self.drag {
             let (delta, at, down) = ui.input(|input| {
                 let pointer = &input.pointer;
@@ -261,6 +262,27 @@ impl Viewport {
         }
         if self.moves_until.is_some() {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(CALM));
+        }
+    }
+
+    /// The light follows the pointer round the head. All of a drag is one step of the groom's look.
+    fn turn_light(&mut self, ui: &egui::Ui, response: &Response, keys: Modifiers, space: bool) {
+        let button = PointerButton::Secondary;
+        if response.drag_started_by(button)
+            && !self.pen.near
+            && input::turns_light(button, keys, space)
+        {
+            self.turns_light = true;
+        }
+        if !self.turns_light {
+            return;
+        }
+        let (by, down) =
+            ui.input(|input| (input.pointer.delta().x, input.pointer.button_down(button)));
+        self.options.turn_light(by * navigation::DEGREES_PER_POINT);
+        self.turns_light = down;
+        if down {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
         }
     }
 

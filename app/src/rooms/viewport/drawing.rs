@@ -8,6 +8,7 @@
 use super::painter::Painter;
 use crate::core::projection::Ray;
 use crate::core::visibility::Visibility;
+use crate::scene::lights::Lights;
 use crate::scene::{Show, Skin};
 use coif_nodes::data::curves::{Curves, Tuft};
 use coif_nodes::data::scalp::Scalp;
@@ -45,8 +46,8 @@ pub struct DrawRequest {
     pub skin: Skin,
     /// The mesh file of each head, where it has one.
     pub files: Vec<Option<PathBuf>>,
-    /// Name of the lights.
-    pub rig: &'static str,
+    /// What lights it.
+    pub lights: Lights,
     /// Brighter than the lights' own exposure, stops.
     pub exposure: f32,
     /// For the display.
@@ -87,7 +88,7 @@ impl DrawRequest {
     pub(super) fn same_picture(&self, other: &Self) -> bool {
         self.same_hair(other)
             && self.same_heads(other)
-            && self.rig == other.rig
+            && self.lights == other.lights
             && self.exposure.to_bits() == other.exposure.to_bits()
             && (self.transform, self.look) == (other.transform, other.look)
             && (self.camera, self.size) == (other.camera, other.size)

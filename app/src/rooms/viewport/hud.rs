@@ -1,6 +1,7 @@
 //! What stands on the picture: what it is, menus of how it is looked at, the legend, and the card of a hair.
 
 use super::drawing::HairHit;
+use super::input::LIGHT_DRAG;
 use super::options::{EXPOSURES, Options, SKIN_AUTO, SKIN_FILE};
 use super::status::Facts;
 use super::{Viewport, navigation};
@@ -163,8 +164,10 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     let show = label_of(&options.show).to_owned();
     let menu = panel::menu_button(ui, format!("{show} ⏷"), |ui| shows(options, state, ui));
     menu.on_hover_text("Display mode: shaded hair, groom colours, or any attribute as a heat map.");
-    let menu = panel::menu_button(ui, "Look ⏷".to_owned(), |ui| looks(options, ui));
-    menu.on_hover_text("Lights, exposure, skin and hair shading.");
+    let menu = panel::menu_button(ui, "Look ⏷".to_owned(), |ui| looks(options, ui, out));
+    menu.on_hover_text(
+        "Lights, exposure, skin and hair shading. Shift+right drag turns the light.",
+    );
     let menu = panel::menu_button(ui, "Over it ⏷".to_owned(), |ui| over(options, ui));
     menu.on_hover_text("Overlays on the picture.");
     let menu = panel::menu_button(ui, "From ⏷".to_owned(), |ui| views(viewport, state, ui, out));
@@ -306,7 +309,7 @@ pub(super) fn shows(options: &mut Options, state: &State, ui: &mut egui::Ui) {
     });
 }
 
-pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
+pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     let choice = |ui: &mut egui::Ui, label: &str, tip: &str, value: &mut String, all: &[&str]| {
         panel::submenu(ui, format!("{label}: {value}"), |ui| {
             for name in all {
@@ -317,7 +320,7 @@ pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
         })
         .on_hover_text(tip);
     };
-    choice(ui, "Lights", "What lights hair and head.", &mut options.rig, &Rig::NAMES);
+    lights(options, ui, out);
     let models = Model::ALL.map(Model::name);
     choice(ui, "Model", "How hair scatters light.", &mut options.model, &models);
     let transforms = Transform::ALL.map(Transform::name);
@@ -337,6 +340,42 @@ pub(super) fn looks(options: &mut Options, ui: &mut egui::Ui) {
         .on_hover_text("Opacity of hair: 1 is opaque, 0.1 shows roots and skin.");
     ui.add(Slider::new(&mut options.share, 0.01..=1.0).text("Share").logarithmic(true))
         .on_hover_text("Fraction of strands drawn; the rest are made up for by width.");
+}
+
+/// Rig or surroundings, and how they are turned.
+fn lights(options: &mut Options, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    let around = options
+        .around
+        .as_ref()
+        .map(|around| around.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+    let name = around.as_deref().unwrap_or(&options.rig);
+    panel::submenu(ui, format!("Lights: {name}"), |ui| {
+        for name in Rig::NAMES {
+            if ui.radio(around.is_none() && options.rig == name, name).clicked() {
+                name.clone_into(&mut options.rig);
+                options.around = None;
+            }
+        }
+        if let Some(name) = &around {
+            ui.add(egui::RadioButton::new(true, name));
+        }
+        let tip = "A photographed sphere (.hdr, .exr), which can also be dropped on the window.";
+        if ui.button("Surroundings…").on_hover_text(tip).clicked() {
+            out.push(Event::Act("view.surroundings"));
+            ui.close();
+        }
+    })
+    .on_hover_text("What lights hair and head.");
+    let turn = Slider::new(&mut options.turn, -180.0..=180.0).text("Turn").suffix("°");
+    let tip = format!(
+        "The lights about the head, to the right for more; or drag over the picture with {LIGHT_DRAG} button."
+    );
+    ui.add(turn.fixed_decimals(0)).on_hover_text(tip);
+    if around.is_some() {
+        let blur = Slider::new(&mut options.blur, 0.0..=45.0).text("Blur behind").suffix("°");
+        ui.add(blur.fixed_decimals(0))
+            .on_hover_text("Blurs what is seen behind the head; the light stays as it is.");
+    }
 }
 
 /// Skin of the head: that of its file, or a tone.

@@ -30,6 +30,24 @@ pub fn motion(
     }
 }
 
+/// Whether a drag with this button turns the light.
+pub fn turns_light(button: PointerButton, keys: Modifiers, space: bool) -> bool {
+    let others = keys.alt || keys.ctrl || keys.command || space;
+    button == PointerButton::Secondary && keys.shift && !others
+}
+
+/// What drags do over the picture, for people: each with its buttons and keys.
+pub(crate) fn drags(preset: Navigation) -> Vec<(&'static str, &'static str)> {
+    let (orbit, pan, dolly) = match preset {
+        Navigation::Maya => ("Alt+left", "Alt+middle", "Alt+right"),
+        Navigation::Blender => ("middle", "Shift+middle", "Ctrl+middle"),
+    };
+    vec![("Orbit", orbit), ("Pan", pan), ("Dolly", dolly), ("Turn the light", LIGHT_DRAG)]
+}
+
+/// The drag that turns the light, in words.
+pub(super) const LIGHT_DRAG: &str = "Shift+right";
+
 /// What a drag with a pen's barrel button does: turn, with Shift pan, with Ctrl dolly.
 pub fn barrel_motion(trackball: bool, keys: Modifiers) -> Motion {
     motion(Navigation::Blender, trackball, PointerButton::Middle, keys, false)
@@ -74,6 +92,13 @@ mod tests {
         check(blender, Middle, CTRL, false, Some(Motion::Dolly));
         check(blender, Primary, ALT, false, None);
         check(blender, Primary, NONE, true, Some(Motion::Orbit));
+        for preset in [maya, blender] {
+            assert!(turns_light(Secondary, SHIFT, false));
+            assert_eq!(motion(preset, false, Secondary, SHIFT, false), None, "that is the light's");
+        }
+        let other = [(Primary, SHIFT, false), (Secondary, NONE, false), (Secondary, SHIFT, true)];
+        assert!(!other.into_iter().any(|(button, keys, space)| turns_light(button, keys, space)));
+        assert!(!turns_light(Secondary, SHIFT | ALT, false));
         assert_eq!(motion(maya, true, Primary, ALT, false), Some(Motion::Trackball));
         assert_eq!(barrel_motion(false, NONE), Motion::Orbit);
         assert_eq!(barrel_motion(true, NONE), Motion::Trackball);

@@ -89,7 +89,9 @@ impl Viewport {
             On::Head => {
                 action::menu(state.table, HEAD, ui, out);
                 ui.separator();
-                panel::submenu(ui, "Light and skin", |ui| hud::looks(&mut self.options, ui));
+                panel::submenu(ui, "Light and skin", |ui| {
+                    hud::looks(&mut self.options, ui, out);
+                });
                 self.views_menu(state, ui, out);
             }
             On::Nothing => {
@@ -98,7 +100,9 @@ impl Viewport {
                 self.views_menu(state, ui, out);
                 panel::submenu(ui, "Show", |ui| hud::shows(&mut self.options, state, ui));
                 panel::submenu(ui, "Over the picture", |ui| hud::over(&mut self.options, ui));
-                panel::submenu(ui, "Light and look", |ui| hud::looks(&mut self.options, ui));
+                panel::submenu(ui, "Light and look", |ui| {
+                    hud::looks(&mut self.options, ui, out);
+                });
             }
         });
     }

@@ -24,13 +24,14 @@ pub mod status;
 pub use camera_control::Step;
 
 use crate::core::event::Event;
+use crate::core::notes::Note;
 use crate::core::pen::Holds;
 use crate::core::projection::Projection;
 use crate::core::shown::Shown;
 use crate::core::state::State;
 use crate::feeders::feeders;
-use crate::scene::Show;
-use crate::scene::looks;
+use crate::scene::lights::Surroundings;
+use crate::scene::{Show, looks};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{SavedLook, Socket};
 use coif_nodes::data::curves::Curves;
@@ -48,9 +49,9 @@ use options::Options;
 use overlay::Overlay;
 use painter::together;
 use select::Level;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::Receiver;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Instant;
 
 /// Longest side and number of pixels of a picture: larger windows are drawn a little softer.
@@ -91,6 +92,10 @@ pub struct Viewport {
     rect: Rect,
     hovered: bool,
     drag: Option<(PointerButton, Drag)>,
+    /// The pointer turns the light.
+    turns_light: bool,
+    /// Surroundings that are being read.
+    reading: Option<Reading>,
     /// The view counts as moving until then, and came to rest when that is over.
     moves_until: Option<f64>,
     questions: u64,
@@ -163,6 +168,12 @@ struct Clicked {
     tracing: bool,
 }
 
+/// A file of surroundings that is being read, and what comes of it.
+struct Reading {
+    path: PathBuf,
+    answer: Receiver<Result<Surroundings, String>>,
+}
+
 /// The curves that hair follows, of an evaluation.
 #[derive(Default)]
 struct Followed {
@@ -197,6 +208,8 @@ impl Default for Viewport {
             on_screen: None,
             rect: Rect::from_min_size(Pos2::ZERO, Vec2::new(900.0, 600.0)),
             drag: None,
+            turns_light: false,
+            reading: None,
             moves_until: None,
             questions: 0,
             question: None,
@@ -221,6 +234,41 @@ impl Viewport {
             Ok(drawing) => self.drawing = Some(drawing),
             Err(why) => self.fault = Some(why),
         }
+    }
+
+    /// Lights the picture by a photographed sphere, which is read on a thread; what is wrong with it is said.
+    pub(crate) fn surround(&mut self, path: &Path, wake: Arc<dyn Fn() + Send + Sync>) {
+        let (send, answer) = channel();
+        self.reading = Some(Reading { path: path.to_owned(), answer });
+        let path = path.to_owned();
+        std::thread::spawn(move || {
+            // Nobody waits for it any more where another was asked for.
+            let _ = send.send(Surroundings::read(&path));
+            wake();
+        });
+    }
+
+    /// Whether surroundings are being read.
+    pub fn is_reading(&self) -> bool {
+        self.reading.is_some()
+    }
+
+    fn take_surroundings(&mut self, out: &mut Vec<Event>) {
+        let Some(Reading { path, answer }) = &self.reading else { return };
+        let read = match answer.try_recv() {
+            Ok(read) => read,
+            Err(TryRecvError::Empty) => return,
+            Err(TryRecvError::Disconnected) => Err("cannot be read".to_owned()),
+        };
+        let name = path.display();
+        out.push(Event::Say(match &read {
+            Ok(_) => Note::done(format!("lit by {name}; Look has the lights as before")),
+            Err(why) => Note::warning(format!("{name}: {why}")),
+        }));
+        if let Ok(around) = read {
+            self.options.around = Some(around);
+        }
+        self.reading = None;
     }
 
     /// Forgets the picture of a document that is gone, and what comes late of it: states before `born`.
@@ -256,9 +304,9 @@ impl Viewport {
         self.hovered
     }
 
-    /// Whether the pointer moves the eye now, and nothing else.
+    /// Whether the pointer moves the eye or the light now, and nothing else.
     pub fn is_navigating(&self) -> bool {
-        self.drag.is_some()
+        self.drag.is_some() || self.turns_light
     }
 
     /// Whether the picture at rest of what was asked for is on the screen.
@@ -303,6 +351,7 @@ impl Viewport {
         self.frame_first(state);
         self.take_framing();
         self.take_picture(ui.ctx());
+        self.take_surroundings(out);
         self.take_answer(state, out);
         self.find_maker(state, out);
         self.navigate(state, ui, &response, out);
@@ -342,7 +391,7 @@ impl Viewport {
         }
         let show = self.options.shown();
         let followed = self.followed(state, shown);
-        let moving = state.drags_hair() || self.drag.is_some() || self.moves_until.is_some();
+        let moving = state.drags_hair() || self.is_navigating() || self.moves_until.is_some();
         // More of the hair comes soon, and sooner where the processor is left to it.
         let more_comes = shown.head_alone || shown.quality == Quality::FirstLook;
         let moving = moving || more_comes && state.run.since.is_some();
@@ -360,7 +409,7 @@ impl Viewport {
             head: self.options.head,
             skin: self.options.skin(),
             files: files_of(state, shown),
-            rig: self.options.rig(),
+            lights: self.options.lights(),
             exposure: self.options.exposure,
             transform: self.options.transform(),
             look: Look { opacity: look.opacity * through, ..look },

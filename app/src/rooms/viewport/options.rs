@@ -1,6 +1,7 @@
 //! How the groom is looked at: colours, lights, what is laid over it. Never part of a groom.
 
 use crate::jobs::render::RenderRequest;
+use crate::scene::lights::{Lights, Surroundings};
 use crate::scene::{Show, Skin};
 use coif_graphs::document::SavedLook;
 use coif_shaders::surface::Tone;
@@ -26,6 +27,13 @@ pub struct Options {
     pub groom: String,
     /// Name of the lights.
     pub rig: String,
+    /// A photographed sphere instead of them, for as long as the window is open.
+    #[serde(skip)]
+    pub around: Option<Surroundings>,
+    /// Degrees that such a sphere is blurred by behind the head.
+    pub blur: f32,
+    /// Degrees that the light is turned by about the vertical, anticlockwise as seen from above.
+    pub turn: f32,
     /// Brighter than the lights' own exposure, stops.
     pub exposure: f32,
     /// How light is made into what the display is sent.
@@ -61,6 +69,9 @@ impl Default for Options {
             show: "hair".to_owned(),
             groom: "groom".to_owned(),
             rig: Rig::NAMES[0].to_owned(),
+            around: None,
+            blur: 0.0,
+            turn: 0.0,
             exposure: 0.0,
             transform: Transform::default().name().to_owned(),
             model: Model::default().name().to_owned(),
@@ -86,13 +97,14 @@ impl Options {
     /// The same as a picture that is asked for.
     pub(crate) fn picture(&self) -> RenderRequest {
         let (show, view) = self.show_and_name();
-        let mut rig = Rig::named(self.rig()).unwrap_or_default();
+        let lights = self.lights();
+        let mut rig = lights.rig();
         rig.exposure += self.exposure;
         RenderRequest {
             show,
             view,
             rig,
-            light: self.rig().to_owned(),
+            light: lights.called(),
             transform: self.transform(),
             look: Look { scalp_tint: Look::default().scalp_tint, ..self.look() },
             skin: self.skin(),
@@ -110,6 +122,17 @@ impl Options {
     /// The lights' name as the shaders know it.
     pub fn rig(&self) -> &'static str {
         Rig::NAMES.into_iter().find(|name| *name == self.rig).unwrap_or(Rig::NAMES[0])
+    }
+    /// What lights the picture.
+    pub fn lights(&self) -> Lights {
+        let around = self.around.clone().map(|around| (around, self.blur));
+        Lights { name: self.rig(), around, turn: self.turn }
+    }
+    /// Turns the light by so many degrees.
+    pub fn turn_light(&mut self, degrees: f32) {
+        if degrees.is_finite() {
+            self.turn = (self.turn + degrees + 180.0).rem_euclid(360.0) - 180.0;
+        }
     }
     /// The display transform.
     pub fn transform(&self) -> Transform {
@@ -144,15 +167,19 @@ impl Options {
     /// Light and skin, as a groom keeps them.
     pub fn saved(&self) -> SavedLook {
         let (light, skin) = (self.rig().to_owned(), self.skin().to_string());
-        SavedLook { light, exposure: self.exposure, skin }
+        // Finer than anybody sees, and short in the file.
+        let turn = (self.turn * 10.0).round() / 10.0;
+        SavedLook { light, exposure: self.exposure, turn, skin }
     }
     /// Takes the light and skin that a groom keeps, else those of the beginning. What means nothing here is left.
     pub fn take(&mut self, look: Option<&SavedLook>) {
         let first = Self::default();
         let Some(look) = look else {
             (self.rig, self.exposure, self.skin) = (first.rig, first.exposure, first.skin);
+            self.turn = first.turn;
             return;
         };
+        self.turn = look.turn;
         self.rig = look.light.clone();
         self.exposure = look.exposure.clamp(EXPOSURES.0, EXPOSURES.1);
         let known = look.skin.parse().ok();
@@ -223,16 +250,35 @@ mod tests {
 
     #[test]
     fn what_a_groom_keeps_comes_back_and_what_means_nothing_here_is_left() {
-        let mine =
-            Options { rig: "dark-hair".into(), exposure: 1.5, skin: 0, ..Options::default() };
+        let mine = Options {
+            rig: "dark-hair".into(),
+            exposure: 1.5,
+            turn: 40.0,
+            skin: 0,
+            ..Options::default()
+        };
         let mut other = Options { show: "braid".into(), ..Options::default() };
         other.take(Some(&mine.saved()));
         assert_eq!((other.rig(), other.exposure, other.skin), ("dark-hair", 1.5, 0));
+        assert_eq!((other.turn, other.picture().rig), (40.0, mine.picture().rig));
         assert_eq!(other.show, "braid");
-        let odd = SavedLook { light: "disco".into(), exposure: 19.0, skin: "furry".into() };
+        let (light, skin) = ("disco".into(), "furry".into());
+        let odd = SavedLook { light, exposure: 19.0, turn: 0.0, skin };
         other.take(Some(&odd));
         assert_eq!((other.rig(), other.exposure, other.skin), ("studio", 8.0, SKIN_AUTO));
         other.take(None);
         assert_eq!(other.exposure, 0.0);
+    }
+
+    #[test]
+    fn light_turns_round_and_round() {
+        for (turns, expected) in
+            [(&[30.0, 40.0][..], 70.0), (&[170.0, 20.0], -170.0), (&[-190.0], 170.0)]
+        {
+            let mut options = Options::default();
+            turns.iter().for_each(|degrees| options.turn_light(*degrees));
+            assert!((options.turn - expected).abs() < 1e-3, "{turns:?}: {}", options.turn);
+            assert_eq!(options.saved().fault(), None);
+        }
     }
 }

@@ -11,7 +11,7 @@ use crate::scene::{Dressed, Show, Skin, heads};
 use coif_nodes::data::curves::Curves;
 use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Legend, Paint};
-use coif_shaders::{Effort, Gpu, Look, RenderError, Renderer, Rig};
+use coif_shaders::{Effort, Gpu, Look, RenderError, Renderer};
 use egui::{Color32, ColorImage};
 use glam::Vec3;
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub(super) struct Painter {
     /// What the renderer was last given; nothing at first.
     given: Option<DrawRequest>,
     look: Option<Look>,
+    /// The lights' own exposure, stops.
+    exposure: f32,
     heads: Vec<Solid>,
     ground: Option<Solid>,
     /// The looks that heads bring along.
@@ -78,6 +80,7 @@ impl Painter {
             renderer,
             given: None,
             look: None,
+            exposure: 0.0,
             heads: vec![],
             ground: None,
             looks: Kept::default(),
@@ -108,8 +111,10 @@ impl Painter {
         let changed = |differs: fn(&DrawRequest, &DrawRequest) -> bool| {
             old.as_ref().is_none_or(|old| differs(old, wanted))
         };
-        if changed(|a, b| a.rig != b.rig) {
-            self.renderer.set_rig(&Rig::named(wanted.rig).unwrap_or_default());
+        if changed(|a, b| a.lights != b.lights) {
+            let rig = wanted.lights.rig();
+            self.exposure = rig.exposure;
+            self.renderer.set_rig(&rig);
         }
         let new_heads = changed(|a, b| !a.same_heads(b));
         if new_heads {
@@ -270,7 +275,7 @@ impl Painter {
     /// The picture so far.
     fn hand_over(&mut self) -> Option<Drawn> {
         let wanted = self.given.clone()?;
-        let exposure = Rig::named(wanted.rig).unwrap_or_default().exposure + wanted.exposure;
+        let exposure = self.exposure + wanted.exposure;
         let rgba = self.renderer.shown(wanted.transform, exposure);
         let (width, height) = self.renderer.size();
         self.shown = self.renderer.progress().samples;

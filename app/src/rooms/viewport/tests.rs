@@ -5,6 +5,7 @@ use super::navigation::orbit;
 use super::*;
 use crate::core::projection::Projection;
 use crate::scene::Skin;
+use crate::scene::lights::Lights;
 use crate::testing::until;
 use coif_nodes::data::attributes::{Domain, ID, WIDTH};
 use coif_nodes::data::curves::TuftBuilder;
@@ -37,7 +38,7 @@ fn wanted() -> DrawRequest {
         head: true,
         skin: Skin::Tone(Tone::Clay),
         files: vec![],
-        rig: "flat",
+        lights: Lights { name: "flat", around: None, turn: 0.0 },
         exposure: 0.0,
         transform: Transform::Agx,
         look: Look::default(),
@@ -386,6 +387,35 @@ mod window {
     }
 
     #[test]
+    fn a_drag_turns_the_light_in_one_step_and_leaves_the_eye() {
+        let mut ui = on_groom("start");
+        let seen = camera(&ui);
+        let middle = ui.state().viewport.rect.center();
+        let to = middle + Vec2::new(100.0, 30.0);
+        drag(&mut ui, middle, to, PointerButton::Secondary, Modifiers::SHIFT);
+        ui.run_steps(3);
+        let turn = |ui: &Ui| {
+            let look = ui.state().state.document.look.as_ref();
+            (ui.state().viewport.options.turn, look.map_or(0.0, |look| look.turn))
+        };
+        let (shown, kept) = turn(&ui);
+        assert!((shown - 40.0).abs() < 0.1, "{shown}: to the right");
+        assert!((kept - shown).abs() < 0.1, "{kept}");
+        assert_eq!((camera(&ui), ui.state().state.history.done()), (seen, 1));
+        assert!(ui.state().is_idle(), "no hair is made anew");
+        ui.state_mut().act("edit.undo");
+        ui.run_steps(3);
+        assert_eq!(turn(&ui), (0.0, 0.0));
+        // Without Shift it is none of the light's.
+        drag(&mut ui, middle, to, PointerButton::Secondary, Modifiers::NONE);
+        ui.run_steps(3);
+        assert_eq!(turn(&ui), (0.0, 0.0));
+        ui.state_mut().act("view.light_left");
+        ui.run_steps(3);
+        assert_eq!(turn(&ui), (-15.0, -15.0));
+    }
+
+    #[test]
     fn menus_over_the_picture_change_how_it_is_looked_at() {
         let mut ui = on_groom("start");
         let pick = |ui: &mut Ui, menu: &str, entry: &str| {
@@ -424,7 +454,7 @@ mod window {
         // Another groom brings its own, and one without any begins as at first.
         let mut document = ui.state().state.document.clone();
         let light = "dark-hair".to_owned();
-        document.look = Some(SavedLook { light, exposure: 1.0, skin: "clay".into() });
+        document.look = Some(SavedLook { light, exposure: 1.0, turn: 0.0, skin: "clay".into() });
         ui.state_mut().act("edit.redo");
         ui.run_steps(3);
         assert_eq!(ui.state().viewport.options.skin, 9);
