@@ -5,10 +5,11 @@
 //! not found here.
 
 use super::lines::Lines;
-use super::{Exit, complain, complain_of, ending, print_plain, unreal};
+use super::{Exit, complain, complain_of, ending, print_plain};
 use crate::jobs::evaluate::{Opened, nowhere};
 use crate::jobs::open::{Read, take_said};
 use crate::jobs::stop::not_strict;
+use crate::jobs::unreal;
 use clap::{Args, ValueEnum};
 use coif_graphs::document::Document;
 use coif_graphs::document::graph::{Severity, check, leading_nowhere, targets, upstream};

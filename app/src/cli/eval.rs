@@ -6,18 +6,15 @@ use super::progress::Bar;
 use super::sweep::Sweep;
 use super::{Exit, complain, ledger, print_plain, tell};
 use crate::files::Together;
-use crate::jobs::evaluate::Evaluated;
-use crate::jobs::export::{formats, left_out_of_abc, write_files};
+use crate::jobs::export::{HairFiles, formats};
 use crate::jobs::memory;
 use crate::jobs::open::writes_all;
-use crate::jobs::progress::Tell;
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
 use clap::Args;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Evaluator};
 use coif_nodes::define::short;
-use coif_nodes::formats::export::Format;
 use serde::Deserialize;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -152,12 +149,7 @@ fn evaluate(
     report: &mut Report,
     files: &mut Together,
 ) -> Result<(), Stop> {
-    let formats = formats(&args.out)?;
-    if args.with_head && formats.iter().all(|format| *format == Format::Hair) {
-        return Err(Stop::refused(
-            "--with-head: .usda, .usdc and .abc hold the head beside the hair; add one by --out, or leave the option out",
-        ));
-    }
+    let out = HairFiles::new(&args.out, args.with_head)?;
     let opened = args.groom.open(report, files)?;
     opened.refuse_problems(&[], &mut report.warnings)?;
     files.allowed().map_err(Stop::failed)?;
@@ -170,10 +162,11 @@ fn evaluate(
     if printed != Exit::Done {
         return Err(Stop(printed, vec![]));
     }
-    if formats.contains(&Format::Abc) {
-        report.notes.extend(left_out_of_abc(&evaluated.groups));
-    }
-    save(args, &formats, &opened.document, &evaluated, cancel, files)
+    report.notes.extend(out.left_out(&evaluated.groups));
+    let bar = Bar::new("files");
+    let saved = out.write(&opened.document, &evaluated, cancel, &bar, files);
+    bar.clear();
+    saved
 }
 
 /// Prints what nodes cost, also where one failed or the budget is over. Where the report goes to stdout, it goes to stderr.
@@ -201,28 +194,6 @@ impl EvalArgs {
         }
         how
     }
-}
-
-fn save(
-    args: &EvalArgs,
-    formats: &[Format],
-    document: &Document,
-    evaluated: &Evaluated,
-    cancel: &CancelToken,
-    files: &mut Together,
-) -> Result<(), Stop> {
-    let heads = if args.with_head { &evaluated.scalps[..] } else { &[] };
-    let bar = Bar::new("files");
-    let wanted: Vec<(&Path, Format)> =
-        args.out.iter().map(PathBuf::as_path).zip(formats.iter().copied()).collect();
-    let groups = &evaluated.groups;
-    let made = (groups.as_slice(), &evaluated.sections);
-    let saved = write_files(document, made, heads, &wanted, cancel, files, &|i, path| {
-        bar.count(i, wanted.len());
-        bar.say(format!("writing {}", path.display()));
-    });
-    bar.clear();
-    saved
 }
 
 /// What was made, for a person.

@@ -34,7 +34,6 @@ mod tasks;
 mod template;
 mod thumbnail;
 mod trace;
-mod unreal;
 
 use crate::files::extension_of;
 use crate::jobs::report;

@@ -33,11 +33,9 @@ pub enum DocumentEvent {
     },
     /// The head stands as it should, or is taken back.
     Head(HeadChoice),
-    /// Hair is written to a file.
-    Export(PathBuf),
-    /// A picture of what the viewport looks at is written to a file, of so many pixels.
-    Picture(PathBuf, [u32; 2]),
-    /// The export that goes on stops.
+    /// The panel that exports hair opens.
+    ExportPanel,
+    /// What is written now stops.
     StopExport,
     /// The groom is shown beside its file as it was saved.
     CompareWithSaved,

@@ -380,9 +380,8 @@ fn an_export_and_a_changed_file_move_nothing() {
     };
     let before = rooms(&hands);
     let to = folder.path("hair.usdc");
-    hands
-        .editor()
-        .apply(Event::Documents(crate::core::documents::DocumentEvent::Export(to.clone())));
+    let content = super::documents::export::Content::Hair(Default::default());
+    hands.editor().export(content, to.clone());
     let mut seen = false;
     crate::testing::until("the export ends", || {
         hands.steps(1);

@@ -19,6 +19,7 @@ const OVER_HAIR: &str = super::documents::over_hair::PANEL;
 const RECIPE: &str = "recipe over hair";
 const HEAD: &str = "own head";
 const TEMPLATE: &str = super::templates::save::PANEL;
+const EXPORT: &str = super::documents::export_panel::PANEL;
 
 impl Editor {
     /// Something happens to the window round the rooms.
@@ -109,6 +110,7 @@ impl Editor {
             (RECIPE, self.pen.asked.is_some()),
             (OVER_HAIR, self.documents.mesh.is_some()),
             (TEMPLATE, self.saving_template.is_some()),
+            (EXPORT, self.documents.export_panel.is_open),
         ];
         let layers: Vec<LayerId> = ctx.memory(|memory| memory.layer_ids().collect());
         let depth = |name: &str| {
@@ -124,6 +126,7 @@ impl Editor {
             RECIPE => self.pen.asked = None,
             OVER_HAIR => self.documents.mesh = None,
             TEMPLATE => self.saving_template = None,
+            EXPORT => self.documents.export_panel.is_open = false,
             WELCOME => {
                 self.apply(Event::Documents(DocumentEvent::Welcome(false)));
             }

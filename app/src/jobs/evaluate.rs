@@ -385,8 +385,8 @@ fn head_of(socket: &Socket, scalp: &Scalp) -> Head {
 /// One output to be given.
 pub(crate) struct OutputRequest {
     pub(crate) socket: Socket,
-    group: String,
-    guides: bool,
+    pub(crate) group: String,
+    pub(crate) guides: bool,
 }
 
 /// The named outputs, or those of every `groom_output`.

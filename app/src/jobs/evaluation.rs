@@ -78,6 +78,7 @@ struct Desk {
 /// The thread, and the desk over which requests and results pass.
 pub(crate) struct Evaluation {
     shared: Arc<Shared>,
+    evaluator: Arc<Evaluator>,
 }
 
 impl Desk {
@@ -110,14 +111,20 @@ impl Evaluation {
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<Self, String> {
         let evaluator = Evaluator::new(0, cache_bytes)?.with_memory(super::memory::free);
+        let evaluator = Arc::new(evaluator);
         let shared =
             Arc::new(Shared { desk: Mutex::default(), work: Condvar::new(), wake: Box::new(wake) });
-        let theirs = shared.clone();
+        let (theirs, works) = (shared.clone(), evaluator.clone());
         std::thread::Builder::new()
             .name("evaluation".to_owned())
-            .spawn(move || serve(&theirs, &evaluator))
+            .spawn(move || serve(&theirs, &works))
             .map_err(|err| format!("no thread to evaluate on: {err}"))?;
-        Ok(Self { shared })
+        Ok(Self { shared, evaluator })
+    }
+
+    /// What evaluates, for jobs beside it: what is kept of either's values serves both.
+    pub(crate) fn evaluator(&self) -> Arc<Evaluator> {
+        self.evaluator.clone()
     }
 
     /// Asks for an evaluation instead of what was asked before.

@@ -14,3 +14,4 @@ pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod stop;
 pub(crate) mod thumbnail;
+pub(crate) mod unreal;

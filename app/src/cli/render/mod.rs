@@ -343,7 +343,7 @@ fn draw(
     let args = &args.as_saved(&opened.document, &mut report.warnings);
     let asked = args.understood()?;
     let bar = Bar::new("nodes");
-    let drawn = render::draw(&asked, &opened, cancel, &bar, report, files);
+    let drawn = render::draw(&asked, &opened, None, cancel, &bar, report, files);
     bar.clear();
     drawn
 }

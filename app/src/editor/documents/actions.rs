@@ -85,11 +85,11 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.export",
         label: "Export hair…",
-        tip: "Export all hair as .usdc, .usda, .abc or .hair, as coif eval does. You can go on editing.",
+        tip: "Export hair as .usdc, .usda, .abc or .hair, as coif eval does. You can go on editing.",
         words: "usd write houdini maya blender unreal curves alembic output",
         menu: "File",
         when: |editor| editor.can_export(),
-        run: |_, out| file(DocumentEvent::Ask(Purpose::Export), out),
+        run: |_, out| file(DocumentEvent::ExportPanel, out),
     },
     Action {
         id: "file.picture",
@@ -103,7 +103,7 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.stop_export",
         label: "Stop the export",
-        tip: "Stop the running export; nothing is written.",
+        tip: "Stop what is being written; nothing of it is left. What waits goes on.",
         words: "cancel abort",
         menu: "",
         when: |editor| editor.exports(),

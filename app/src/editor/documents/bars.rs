@@ -1,6 +1,7 @@
 //! Questions that wait for an answer without being in the way, the export that goes on, and the one question that does
 //! stand in the way: about unsaved changes.
 
+use super::export::ExportState;
 use super::{Disk, DocumentEvent, Documents, Left, Next, Unsaved, journal};
 use crate::core::event::Event;
 use crate::core::state::State;
@@ -63,19 +64,26 @@ pub(crate) fn changed(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) 
 
 /// The export that goes on, in the status line; whether there is one.
 pub(crate) fn export_line(documents: &Documents, ui: &mut egui::Ui, out: &mut Vec<Event>) -> bool {
-    let Some(export) = &documents.export else { return false };
-    let going = export.going();
-    let name = export.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let going = documents.exports.going();
+    let Some(row) = going.first() else { return false };
+    let (doing, (done, of)) = match &row.state {
+        ExportState::Runs(doing, done) => (doing.as_str(), *done),
+        ExportState::Waits | ExportState::Ended(_) => ("", (0, 0)),
+    };
+    let name = row.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stop = ui.button("Stop export").on_hover_text("Nothing is written");
     if stop.clicked() {
         out.push(Event::Documents(DocumentEvent::StopExport));
     }
-    let (done, of) = going.done;
     let part = if of == 0 { 0.0 } else { done as f32 / of as f32 };
     ui.add(ProgressBar::new(part).desired_width(120.0));
-    let text = format!("writing {name}: {}", going.doing);
+    let wait = match going.len() - 1 {
+        0 => String::new(),
+        n => format!(" ({n} more to write)"),
+    };
+    let text = format!("writing {name}: {doing}{wait}");
     let line = ui.add(egui::Label::new(text).truncate());
-    line.on_hover_text(export.path.display().to_string());
+    line.on_hover_text(row.path.display().to_string());
     true
 }
 
@@ -113,7 +121,7 @@ pub(super) fn unsaved(
         } else {
             ui.heading("Close while an export goes on?");
         }
-        if documents.export.is_some() && documents.unsaved == Some(Next::Close) {
+        if documents.exports.is_going() && documents.unsaved == Some(Next::Close) {
             ui.label("Closing stops the export; nothing of it is written.");
         }
         ui.add_space(8.0);

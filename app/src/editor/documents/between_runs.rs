@@ -87,16 +87,18 @@ impl Editor {
     /// Whether hair can be exported now, or why not.
     pub(crate) fn can_export(&self) -> Result<(), &'static str> {
         let mut nodes = self.state.document.nodes.values();
-        match (&self.documents.export, nodes.any(|node| node.kind == "groom_output")) {
-            (Some(_), _) => Err("an export goes on"),
-            (None, false) => Err("the graph has no groom output"),
-            (None, true) => Ok(()),
+        match nodes.any(|node| node.kind == "groom_output") {
+            false => Err("the graph has no groom output"),
+            true => Ok(()),
         }
     }
 
     /// Whether an export goes on.
     pub(crate) fn exports(&self) -> Result<(), &'static str> {
-        self.documents.export.as_ref().map(|_| ()).ok_or("no export goes on")
+        match self.documents.exports.going().is_empty() {
+            true => Err("no export goes on"),
+            false => Ok(()),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! and bars are shown among them, and what changed is handed to the journal and the watch behind them.
 
 use super::dialogs::{Answer, MESHES};
-use super::export::Ended;
+use super::export::{Ended, ExportRow, ExportState};
 use super::remedies::with_remedy;
 use super::watch::Change;
 use super::{
@@ -50,33 +50,32 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
     for change in editor.documents.watch.changes() {
         changed(editor, &change);
     }
-    if let Some(ended) = editor.documents.export.as_ref().and_then(super::Export::ended) {
-        editor.documents.export = None;
-        match ended {
-            Ended::Done(words, warnings) => {
-                for warning in warnings {
-                    if let Some(note) = warned(&editor.state, &warning) {
-                        editor.state.apply(Event::Say(note));
-                    }
-                }
-                editor.state.apply(Event::Say(Note::done(words)));
-            }
-            Ended::Failed(lines) => {
-                for line in lines {
-                    let note = Note::error(with_remedy(&line, "")).of_groom();
-                    editor.state.apply(Event::Say(note));
-                }
-            }
-            Ended::Stopped => {
-                editor
-                    .state
-                    .apply(Event::Say(Note::done("the export was stopped; nothing was written")));
-            }
-        }
-        if editor.documents.closes_after_export {
-            editor.leave();
-        }
+    for row in editor.documents.exports.take_ended() {
+        tell_ended(editor, row);
     }
+    let documents = &editor.documents;
+    if documents.closes_after_export && !documents.leaving && !documents.exports.is_going() {
+        editor.leave();
+    }
+}
+
+/// Says what came of an export.
+fn tell_ended(editor: &mut Editor, row: ExportRow) {
+    editor.documents.export_panel.file.forget();
+    let ExportState::Ended(ended) = row.state else { return };
+    let notes = match ended {
+        Ended::Done(written) => {
+            let warnings = written.warnings.iter().filter_map(|text| warned(&editor.state, text));
+            let notes = written.notes.into_iter().chain([written.words]).map(Note::done);
+            warnings.chain(notes).collect()
+        }
+        Ended::Failed(lines) => {
+            let note = |line: &String| Note::error(with_remedy(line, "")).of_groom();
+            lines.iter().map(note).collect()
+        }
+        Ended::Stopped => vec![Note::done("the export was stopped; nothing was written")],
+    };
+    notes.into_iter().for_each(|note: Note| editor.state.apply(Event::Say(note)));
 }
 
 /// A warning of an export, by the name that its node has on screen. None where that node says the same beside its inputs.
@@ -168,6 +167,7 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
     for event in out {
         editor.apply(event);
     }
+    editor.export_panel(&ctx);
     let outcome = editor.documents.browser.as_mut().map(|browser| browser.ui(&ctx));
     match outcome {
         Some(browser::BrowserOutcome::Chosen(path)) => {

@@ -1,7 +1,7 @@
 //! The life of a document: new, opened, saved, restored, closed. What [`super::DocumentEvent`]s do.
 
 use super::dialogs::Question;
-use super::export::{Content, Export};
+use super::export::{Content, ExportJob};
 use super::journal::About;
 use super::remedies::with_remedy;
 use super::watch::hash_of;
@@ -59,14 +59,13 @@ impl Editor {
             DocumentEvent::Mesh(path) => self.ask_mesh(path),
             DocumentEvent::MeshOver { path, bald } => self.try_mesh(&path, bald),
             DocumentEvent::Head(choice) => self.head_chosen(choice),
-            DocumentEvent::Export(path) => self.export(Content::Hair, path),
-            DocumentEvent::Picture(path, size) => self.picture(path, size),
+            DocumentEvent::ExportPanel => self.open_export_panel(),
             DocumentEvent::CompareWithSaved => self.compare_with_saved(),
             DocumentEvent::Flip => self.flip(),
             DocumentEvent::EndCompare => self.end_compare(),
             DocumentEvent::StopExport => {
-                if let Some(export) = &self.documents.export {
-                    export.stop();
+                if let Some(row) = self.documents.exports.going().first() {
+                    self.documents.exports.cancel(row.number);
                 }
             }
             DocumentEvent::Unsaved(answer) => self.unsaved(answer),
@@ -90,7 +89,7 @@ impl Editor {
     /// Does something that loses the document: at once, or after a question where something is unsaved.
     fn after_question(&mut self, next: Next) {
         self.state.apply(Event::End);
-        let exports = next == Next::Close && self.documents.export.is_some();
+        let exports = next == Next::Close && self.documents.exports.is_going();
         if self.state.history.is_changed() || exports {
             self.documents.unsaved = Some(next);
         } else {
@@ -138,6 +137,7 @@ impl Editor {
         self.documents.head = None;
         self.documents.frames = Some((self.state.revision, Framing::All));
         self.documents.welcome.is_open = false;
+        self.documents.export_panel.forget();
         self.forget_the_last();
     }
 
@@ -243,7 +243,8 @@ impl Editor {
         true
     }
 
-    fn ask(&mut self, purpose: Purpose, input: Option<(NodeId, String)>) {
+    /// A question for a file, with a folder to begin in and a name.
+    fn question(&self, purpose: Purpose) -> Question {
         let file = &self.state.file;
         let last = self.documents.last_folder.clone();
         let recent = self.documents.recent.files().first().and_then(|path| path.parent());
@@ -257,7 +258,22 @@ impl Editor {
             None => name_of_file(&self.state.document.title),
         };
         let ending = purpose.endings().1.first().copied().unwrap_or_default();
-        let question = Question { purpose, folder, name: format!("{stem}.{ending}") };
+        Question { purpose, folder, name: format!("{stem}.{ending}") }
+    }
+
+    /// The file that is offered to be written; none where nobody is asked for files.
+    pub(super) fn offered_file(&self, purpose: Purpose) -> Option<PathBuf> {
+        if self.documents.dialogs.is_none() && !self.documents.no_dialogs {
+            return None;
+        }
+        let Question { folder, name, .. } = self.question(purpose);
+        // As a shell has it, where no groom has a folder yet.
+        let path = folder.join(name);
+        Some(std::path::absolute(&path).unwrap_or(path))
+    }
+
+    pub(super) fn ask(&mut self, purpose: Purpose, input: Option<(NodeId, String)>) {
+        let question = self.question(purpose);
         let documents = &mut self.documents;
         if documents.no_dialogs {
             documents.browser = Some(super::Browser::new(question.clone(), documents.wake.clone()));
@@ -272,7 +288,10 @@ impl Editor {
     pub(super) fn answered(&mut self, path: Option<PathBuf>) {
         let Some(Asking { question, input }) = self.documents.asking.take() else { return };
         let purpose = question.purpose;
-        let Some(path) = path.map(|path| purpose.complete(path)) else {
+        // A panel completes a name by what is chosen in it.
+        let complete =
+            |path| if purpose == Purpose::Export { path } else { purpose.complete(path) };
+        let Some(path) = path.map(complete) else {
             self.documents.after_save = None;
             return;
         };
@@ -282,7 +301,7 @@ impl Editor {
             (Purpose::Compare, _) => self.compare_with(&path),
             (Purpose::NewHead, _) => self.apply_to_file(DocumentEvent::NewHead(path)),
             (Purpose::Save, _) => self.apply_to_file(DocumentEvent::SaveTo(path)),
-            (Purpose::Export, _) => self.export(Content::Hair, path),
+            (Purpose::Export, _) => self.browsed_export(path),
             (Purpose::Picture, _) => self.picture(path, PICTURE),
             (Purpose::Surroundings, _) => self.viewport.surround(&path, self.documents.waker()),
             (Purpose::Find, Some((node, input))) => {
@@ -310,7 +329,7 @@ impl Editor {
         }
     }
 
-    fn picture(&mut self, path: PathBuf, size: [u32; 2]) {
+    pub(super) fn picture(&mut self, path: PathBuf, size: [u32; 2]) {
         let asked = RenderRequest {
             size,
             cameras: vec![PRESENT.to_owned()],
@@ -320,12 +339,12 @@ impl Editor {
         self.export(Content::Picture(asked.into()), path);
     }
 
-    fn export(&mut self, content: Content, path: PathBuf) {
-        if self.documents.export.is_some() {
-            let text = "an export goes on; stop it or wait for its end";
-            return self.state.apply(Event::Say(Note::warning(text)));
-        }
-        let wake = self.documents.wake.clone();
+    /// Writes hair or a picture of the groom as it is now, beside the window.
+    pub(in crate::editor) fn export(&mut self, content: Content, path: PathBuf) {
+        let Some(evaluation) = &self.evaluation else {
+            return self.state.apply(Event::Say(Note::error("there are no threads to export on")));
+        };
+        let evaluator = evaluation.evaluator();
         let file = self.state.file.clone();
         let mut document = self.state.document.clone();
         if let Content::Picture(_) = content {
@@ -335,9 +354,9 @@ impl Editor {
             document.views.insert(PRESENT.to_owned(), view);
         }
         let allow_large = self.state.allow_large;
-        match Export::start(content, document, file, allow_large, path, move || wake()) {
-            Ok(export) => self.documents.export = Some(export),
-            Err(why) => self.state.apply(Event::Say(Note::error(why))),
+        let job = ExportJob { content, document, file, allow_large, evaluator, path };
+        if let Err(why) = self.documents.exports.ask(job) {
+            self.state.apply(Event::Say(Note::error(why)));
         }
     }
 
@@ -412,10 +431,10 @@ impl Editor {
         }
     }
 
-    /// Nothing keeps the window from closing any more, but an export that has to put its things away.
+    /// Nothing keeps the window from closing any more, but exports that have to put their things away.
     pub(super) fn leave(&mut self) {
-        if let Some(export) = &self.documents.export {
-            export.stop();
+        if self.documents.exports.is_going() {
+            self.documents.exports.cancel_all();
             self.documents.closes_after_export = true;
             return;
         }

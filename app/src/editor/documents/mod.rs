@@ -12,7 +12,9 @@ mod bars;
 mod between_runs;
 mod browser;
 pub(crate) mod dialogs;
-mod export;
+pub(super) mod export;
+pub(super) mod export_panel;
+mod file_field;
 mod frame;
 mod journal;
 pub(crate) mod kept;
@@ -33,7 +35,8 @@ use crate::places::Places;
 use browser::Browser;
 use coif_graphs::document::NodeId;
 use dialogs::{Dialogs, Question};
-use export::Export;
+use export::Exports;
+use export_panel::ExportPanel;
 use journal::{Journal, Leftover};
 use own_head::OwnHead;
 use recent::Recent;
@@ -101,8 +104,9 @@ pub struct Documents {
     leftovers: Vec<Leftover>,
     /// Others changed the present file.
     changed: bool,
-    export: Option<Export>,
-    /// The window closes once the export has stopped.
+    exports: Exports,
+    pub(super) export_panel: ExportPanel,
+    /// The window closes once all exports have stopped.
     closes_after_export: bool,
     head: Option<OwnHead>,
     /// What is brought into view, once this state of the document is shown.
@@ -146,7 +150,8 @@ impl Documents {
             after_save: None,
             leftovers: vec![],
             changed: false,
-            export: None,
+            exports: Exports::new(wake.clone()),
+            export_panel: ExportPanel::default(),
             closes_after_export: false,
             head: None,
             mesh: None,

@@ -1,6 +1,8 @@
 //! The life of documents, driven as hands drive it: dialogs that are answered, buttons that are pressed, processes that are
 //! killed.
 
+mod exporting;
+
 use super::dialogs::Answer;
 use super::dialogs::fake::Fake;
 use super::journal::leftovers;
@@ -538,110 +540,6 @@ fn hostile_meshes_are_told_by_the_node_and_can_be_taken_back() {
     assert!(refused >= 6, "{refused}");
 }
 
-#[test]
-fn what_the_window_exports_is_what_the_command_line_writes() {
-    use clap::Parser;
-    #[derive(Parser)]
-    struct Words {
-        #[command(flatten)]
-        eval: crate::cli::eval::EvalArgs,
-    }
-    let folder = Folder::new("life-export");
-    let (mut ui, fake) = on_empty_head();
-    ui.state_mut().act("file.export");
-    assert_eq!(
-        said(&ui, Gravity::Note).last().unwrap(),
-        "Export hair…: the graph has no groom output"
-    );
-    few_guides(&mut ui);
-    let (saved, ours) = (folder.path("guides.ron"), folder.path("window.usdc"));
-    does(&mut ui, DocumentEvent::SaveTo(saved.clone()));
-    fake.answers(Answer::Chosen(ours.clone()));
-    act(&mut ui, "file.export");
-    until("it is written", || {
-        ui.step();
-        ui.state().documents.export.is_none()
-    });
-    let note = said(&ui, Gravity::Note).pop().unwrap();
-    assert!(note.starts_with("exported ") && note.contains(" curves, "), "{note}");
-    let theirs = folder.path("line.usdc");
-    let report = folder.path("report.json");
-    let words = ["coif", saved.to_str().unwrap(), "--out", theirs.to_str().unwrap(), "--report"];
-    let words = words.into_iter().chain(report.to_str());
-    let exit = crate::cli::eval::run(Words::parse_from(words).eval);
-    assert_eq!(exit, crate::jobs::stop::Exit::Done);
-    assert!(std::fs::read(ours).unwrap() == std::fs::read(theirs).unwrap());
-    // A hash is for scripts: the command line's report has it.
-    let report: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(report).unwrap()).unwrap();
-    assert!(!note.contains(report["outputs"][0]["hash"].as_str().unwrap()), "{note}");
-}
-
-#[test]
-fn a_picture_is_drawn_of_what_the_viewport_looks_at() {
-    let folder = Folder::new("life-picture");
-    let (mut ui, _) = on_empty_head();
-    few_guides(&mut ui);
-    let mut settings = ui.state().state.settings.clone();
-    settings.samples = 1;
-    ui.state_mut().apply(Event::Settings(Box::new(settings)));
-    let path = folder.path("a.png");
-    does(&mut ui, DocumentEvent::Picture(path.clone(), [64, 48]));
-    until("it is drawn", || {
-        ui.step();
-        ui.state().documents.export.is_none()
-    });
-    let told = said(&ui, Gravity::Error);
-    if told.iter().any(|text| text.contains("adapter")) {
-        return println!("skipped: a picture needs something that draws: {told:?}");
-    }
-    let note = said(&ui, Gravity::Note).pop().unwrap_or_default();
-    assert!(note.contains("a.png: 64 x 48, final, 60 strands"), "{note} {told:?}");
-    let icon = eframe::icon_data::from_png_bytes(&std::fs::read(&path).unwrap()).unwrap();
-    assert_eq!((icon.width, icon.height), (64, 48));
-    // The document does not keep the view.
-    assert!(ui.state().state.document.views.is_empty());
-}
-
-#[test]
-fn a_stopped_or_refused_export_leaves_no_file() {
-    let folder = Folder::new("life-export-stop");
-    let (mut ui, _) = on_empty_head();
-    does(&mut ui, DocumentEvent::New(Some("cornrows")));
-    does(&mut ui, DocumentEvent::Export(folder.path("a.usdc")));
-    does(&mut ui, DocumentEvent::StopExport);
-    until("it is stopped", || {
-        ui.step();
-        ui.state().documents.export.is_none()
-    });
-    assert_eq!(
-        said(&ui, Gravity::Note).last().unwrap(),
-        "the export was stopped; nothing was written"
-    );
-    // Closing asks, stops it, and waits until its things are put away.
-    does(&mut ui, DocumentEvent::Export(folder.path("b.usdc")));
-    assert!(close_requested(&mut ui).contains(&ViewportCommand::CancelClose));
-    ui.step();
-    press(&mut ui, "Cancel");
-    assert!(ui.state().documents.export.is_some());
-    assert!(close_requested(&mut ui).contains(&ViewportCommand::CancelClose));
-    ui.step();
-    ui.get_by_label("Close").click();
-    let mut closed = false;
-    until("it closes", || {
-        closed |= step_commands(&mut ui).contains(&ViewportCommand::Close);
-        closed
-    });
-    assert!(ui.state().documents.export.is_none());
-    does(&mut ui, DocumentEvent::Export(folder.path("a.fbx")));
-    until("it is refused", || {
-        ui.step();
-        ui.state().documents.export.is_none()
-    });
-    assert!(said(&ui, Gravity::Error)[0].contains("grooms are written as"));
-    assert_eq!(std::fs::read_dir(folder.root()).unwrap().count(), 0);
-}
-
 #[cfg(unix)]
 #[test]
 fn what_is_read_or_read_only_is_not_written_over_and_links_stay() {
@@ -661,24 +559,22 @@ fn what_is_read_or_read_only_is_not_written_over_and_links_stay() {
     does(&mut ui, DocumentEvent::Save);
     let saved = std::fs::read_to_string(folder.path("real.ron")).unwrap();
     assert!(saved.contains("head.obj") && link.is_symlink());
-    let mut refused = |event: DocumentEvent, why: &str| {
-        does(&mut ui, event);
-        until("it ends", || {
-            ui.step();
-            ui.state().documents.export.is_none()
-        });
+    let mut refused = |act: &dyn Fn(&mut Ui), why: &str| {
+        act(&mut ui);
+        exporting::all_written(&mut ui);
         let told = said(&ui, Gravity::Error);
         assert!(told.last().is_some_and(|text| text.contains(why)), "{told:?}");
         assert_eq!(std::fs::read_to_string(folder.path("head.obj")).unwrap(), mesh);
         assert_eq!(std::fs::read_to_string(folder.path("real.ron")).unwrap(), saved);
     };
     symlink("head.obj", folder.path("mesh.ron")).unwrap();
-    refused(DocumentEvent::SaveTo(folder.path("mesh.ron")), "which is read");
+    let over_mesh = DocumentEvent::SaveTo(folder.path("mesh.ron"));
+    refused(&|ui| does(ui, over_mesh.clone()), "which is read");
     std::fs::hard_link(folder.path("real.ron"), folder.path("a.usdc")).unwrap();
-    refused(DocumentEvent::Export(folder.path("a.usdc")), "which is read");
+    refused(&|ui| exporting::export(ui, folder.path("a.usdc")), "which is read");
     let locked = std::fs::Permissions::from_mode(0o444);
     std::fs::set_permissions(folder.path("real.ron"), locked).unwrap();
-    refused(DocumentEvent::Save, "is read-only; choose another name");
+    refused(&|ui| does(ui, DocumentEvent::Save), "is read-only; choose another name");
 }
 
 #[test]
@@ -882,13 +778,19 @@ fn saving_and_exporting_begin_in_the_grooms_folder() {
     let (heads, grooms) = (Folder::new("life-heads"), Folder::new("life-grooms"));
     std::fs::write(heads.path("head.obj"), bust_with_a_bun()).unwrap();
     let (mut ui, fake) = on_empty_head();
+    few_guides(&mut ui);
     does(&mut ui, DocumentEvent::SaveTo(grooms.path("a.ron")));
     // Another folder was the last that anybody chose in.
     fake.answers(Answer::Chosen(heads.path("head.obj")));
     act(&mut ui, "file.head");
+    press(&mut ui, "Cancel");
     for action in ["file.save_as", "file.export", "file.picture", "file.open"] {
         fake.answers(Answer::Nothing);
         act(&mut ui, action);
+        if ui.query_by_label("Browse…").is_some() {
+            press(&mut ui, "Browse…");
+            press(&mut ui, "Close");
+        }
         let asked = fake.asked.lock().unwrap().last().cloned().unwrap();
         assert_eq!(asked.folder, grooms.root(), "{action}");
     }

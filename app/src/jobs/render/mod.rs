@@ -20,7 +20,7 @@ use crate::scene::{self, Dressed, Show, Skin};
 use crate::words::grouped;
 use coif_graphs::document::Socket;
 use coif_graphs::file::document_hash;
-use coif_graphs::schedule::run::CancelToken;
+use coif_graphs::schedule::run::{CancelToken, Evaluator};
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::scalp::{HeadFrame, Scalp};
 use coif_nodes::define::Value;
@@ -136,10 +136,11 @@ struct Shot<'a> {
 /// What becomes of each picture: the names of the files that hold it.
 type Keep<'a> = &'a mut dyn FnMut(&mut Together, Shot) -> Result<Vec<String>, Stop>;
 
-/// Draws what was asked for of a graph, and writes it.
+/// Draws what was asked for of a graph, and writes it. An evaluator that keeps values may be lent; else one is made.
 pub(crate) fn draw(
     asked: &RenderRequest,
     opened: &Opened,
+    lent: Option<&Evaluator>,
     cancel: &CancelToken,
     tell: &dyn Tell,
     report: &mut Report,
@@ -164,7 +165,7 @@ pub(crate) fn draw(
         }
         Ok(written)
     };
-    draw_shots(asked, opened, cancel, tell, report, files, &mut keep)
+    draw_shots(asked, opened, lent, cancel, tell, report, files, &mut keep)
 }
 
 /// Draws a graph into memory: one picture.
@@ -180,13 +181,14 @@ pub(crate) fn draw_one(
         drawn = Some(shot.picture);
         Ok(vec![])
     };
-    draw_shots(asked, opened, cancel, tell, &mut report, files, &mut keep)?;
+    draw_shots(asked, opened, None, cancel, tell, &mut report, files, &mut keep)?;
     drawn.ok_or_else(|| Stop::failed("nothing was drawn"))
 }
 
 fn draw_shots(
     asked: &RenderRequest,
     opened: &Opened,
+    lent: Option<&Evaluator>,
     cancel: &CancelToken,
     tell: &dyn Tell,
     report: &mut Report,
@@ -233,9 +235,11 @@ fn draw_shots(
     };
     let device = Device::start(asked.size, asked.look, shading, cancel);
     let began = Instant::now();
-    let evaluated = evaluator(asked.threads, 0, &mut report.warnings).and_then(|evaluator| {
-        opened.evaluate_on(&evaluator, asked.quality, &more, cancel, tell, report)
-    });
+    let evaluated = match lent {
+        Some(lent) => opened.evaluate_on(lent, asked.quality, &more, cancel, tell, report),
+        None => evaluator(asked.threads, 0, &mut report.warnings)
+            .and_then(|made| opened.evaluate_on(&made, asked.quality, &more, cancel, tell, report)),
+    };
     let evaluation_ms = since(began);
     let mut evaluated = match evaluated {
         // What the device's failure ended was not interrupted by anybody.

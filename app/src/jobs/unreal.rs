@@ -4,9 +4,9 @@
 //! the engine's importer (`HairStrandsDefinitions.h`, `AlembicHairTranslator.cpp`, `GroomBuilder.cpp`) and of Epic's "Alembic for
 //! Grooms"; the engine itself was not run.
 
-use crate::jobs::evaluate::Opened;
-use crate::jobs::report::Report;
-use crate::jobs::stop::Stop;
+use super::evaluate::Opened;
+use super::report::Report;
+use super::stop::Stop;
 use coif_graphs::document::Document;
 use coif_graphs::schedule::run::{CancelToken, Quiet};
 use coif_nodes::data::attributes::{ROOT_UV, WIDTH};
@@ -26,15 +26,15 @@ const LETTERS: usize = 1023;
 
 /// What becomes of a groom, a line each with what to do about it.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct ImportReport {
+pub(crate) struct ImportReport {
     /// What is lost.
-    pub(super) lost: Vec<String>,
+    pub(crate) lost: Vec<String>,
     /// What the importer makes up or does otherwise than a person may think.
-    pub(super) made_up: Vec<String>,
+    pub(crate) made_up: Vec<String>,
 }
 
 /// Evaluates the document's outputs and tells what becomes of them.
-pub(super) fn found(
+pub(crate) fn found(
     document: &Document,
     folder: PathBuf,
     graph: String,
@@ -47,7 +47,8 @@ pub(super) fn found(
     Ok(judged(&evaluated.groups))
 }
 
-fn judged(groups: &[HairGroup]) -> ImportReport {
+/// Tells what becomes of what was evaluated.
+pub(crate) fn judged(groups: &[HairGroup]) -> ImportReport {
     let mut found = ImportReport::default();
     let ImportReport { lost, made_up } = &mut found;
     let places = export::places(groups);
