@@ -1,7 +1,7 @@
 //! Pictures: scene-linear light in memory, and PNG and OpenEXR bytes of it.
 //!
-//! Row 0 is the top. Guaranteed: the same picture gives the same bytes. Not guaranteed: that PNG
-//! keeps coverage; it shows the picture over its backdrop, EXR keeps both.
+//! Row 0 is the top. Guaranteed: the same picture gives the same bytes. A PNG shows the picture over its
+//! backdrop, or keeps coverage for a picture over black; EXR keeps both.
 
 use crate::display::{Transform, dithered};
 use exr::prelude::{self as open_exr, WritableImage as _};
@@ -95,9 +95,54 @@ impl Picture {
         exposure: f32,
         texts: &[(String, String)],
     ) -> Result<(), PictureError> {
+        let mut bytes = self.encoded(transform, exposure);
+        let mut kept = 0;
+        bytes.retain(|_| {
+            kept += 1;
+            kept % 4 != 0
+        });
+        self.put_png(out, png::ColorType::Rgb, &bytes, transform, exposure, texts)
+    }
+
+    /// The same of a picture over black, which is left out: coverage is in the alpha channel.
+    ///
+    /// # Errors
+    /// As [`Self::write_png`].
+    pub fn write_transparent_png(
+        &self,
+        out: impl Write,
+        transform: Transform,
+        exposure: f32,
+        texts: &[(String, String)],
+    ) -> Result<(), PictureError> {
+        // PNG has colours that are not multiplied by coverage.
+        let straight = |[r, g, b, a]: &[f32; 4]| match *a > 0.0 {
+            true => [r / a, g / a, b / a, *a],
+            false => [0.0; 4],
+        };
+        let own = Self { linear: self.linear.iter().map(straight).collect(), ..*self };
+        let mut bytes = own.encoded(transform, exposure);
+        for (bytes, [.., a]) in bytes.chunks_exact_mut(4).zip(&own.linear) {
+            bytes[3] = (a.clamp(0.0, 1.0) * 255.0).round() as u8;
+            if bytes[3] == 0 {
+                bytes.fill(0);
+            }
+        }
+        self.put_png(out, png::ColorType::Rgba, &bytes, transform, exposure, texts)
+    }
+
+    fn put_png(
+        &self,
+        out: impl Write,
+        colour: png::ColorType,
+        bytes: &[u8],
+        transform: Transform,
+        exposure: f32,
+        texts: &[(String, String)],
+    ) -> Result<(), PictureError> {
         self.check()?;
         let mut encoder = png::Encoder::new(out, self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(colour);
         encoder.set_depth(png::BitDepth::Eight);
         match transform {
             Transform::Agx | Transform::Srgb => {
@@ -127,13 +172,7 @@ impl Picture {
             }
         }
         let mut writer = encoder.write_header()?;
-        let mut bytes = self.encoded(transform, exposure);
-        let mut kept = 0;
-        bytes.retain(|_| {
-            kept += 1;
-            kept % 4 != 0
-        });
-        writer.write_image_data(&bytes)?;
+        writer.write_image_data(bytes)?;
         writer.finish()?;
         Ok(())
     }
@@ -250,6 +289,10 @@ mod tests {
     fn png_of(transform: Transform) -> (png::Reader<Cursor<Vec<u8>>>, Vec<u8>) {
         let mut bytes = vec![];
         picture().write_png(&mut bytes, transform, 0.5, &texts()).unwrap();
+        read_png(bytes)
+    }
+
+    fn read_png(bytes: Vec<u8>) -> (png::Reader<Cursor<Vec<u8>>>, Vec<u8>) {
         let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut pixels).unwrap();
@@ -280,6 +323,25 @@ mod tests {
             assert!(said.contains(&("display".into(), transform.name().into())));
             assert!(said.contains(&("exposure".into(), "0.5 stops".into())));
         }
+    }
+
+    #[test]
+    fn a_transparent_png_has_the_colours_of_what_covers_and_how_much_does() {
+        let colour = [0.3, 0.2, 0.1];
+        let covered = [1.0, 0.5, 0.001, 0.0];
+        let linear = covered.map(|a| [colour[0] * a, colour[1] * a, colour[2] * a, a]).to_vec();
+        let picture = Picture { width: 4, height: 1, linear };
+        let mut bytes = vec![];
+        picture.write_transparent_png(&mut bytes, Transform::Srgb, 0.0, &texts()).unwrap();
+        let (_, pixels) = read_png(bytes);
+        let alphas: Vec<u8> = pixels.chunks(4).map(|pixel| pixel[3]).collect();
+        assert_eq!(alphas, [255, 128, 0, 0]);
+        // A step of 255 is the dither's.
+        for k in 0..3 {
+            assert!(pixels[k].abs_diff(pixels[4 + k]) <= 1, "half covered, of one colour");
+        }
+        assert!(pixels[0] > pixels[1] + 20 && pixels[1] > pixels[2] + 20);
+        assert_eq!(pixels[8..], [0; 8], "nothing is behind it");
     }
 
     fn check_exr(samples: Samples, error: f32) {

@@ -26,7 +26,7 @@ mod pack;
 mod probe;
 mod progress;
 #[cfg(feature = "render")]
-mod render;
+pub(crate) mod render;
 mod schema;
 mod signals;
 mod sweep;

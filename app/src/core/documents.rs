@@ -35,6 +35,8 @@ pub enum DocumentEvent {
     Head(HeadChoice),
     /// The panel that exports hair opens.
     ExportPanel,
+    /// The panel that saves pictures opens.
+    PicturePanel,
     /// What is written now stops.
     StopExport,
     /// The groom is shown beside its file as it was saved.

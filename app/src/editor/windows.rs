@@ -20,6 +20,7 @@ const RECIPE: &str = "recipe over hair";
 const HEAD: &str = "own head";
 const TEMPLATE: &str = super::templates::save::PANEL;
 const EXPORT: &str = super::documents::export_panel::PANEL;
+const PICTURE: &str = super::documents::picture_panel::PANEL;
 
 impl Editor {
     /// Something happens to the window round the rooms.
@@ -111,6 +112,7 @@ impl Editor {
             (OVER_HAIR, self.documents.mesh.is_some()),
             (TEMPLATE, self.saving_template.is_some()),
             (EXPORT, self.documents.export_panel.is_open),
+            (PICTURE, self.documents.picture_panel.is_open),
         ];
         let layers: Vec<LayerId> = ctx.memory(|memory| memory.layer_ids().collect());
         let depth = |name: &str| {
@@ -127,6 +129,7 @@ impl Editor {
             OVER_HAIR => self.documents.mesh = None,
             TEMPLATE => self.saving_template = None,
             EXPORT => self.documents.export_panel.is_open = false,
+            PICTURE => self.documents.picture_panel.is_open = false,
             WELCOME => {
                 self.apply(Event::Documents(DocumentEvent::Welcome(false)));
             }

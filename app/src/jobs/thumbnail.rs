@@ -66,7 +66,8 @@ pub(crate) fn of(
     let drawn = draw_one(&asked, &opened, cancel, tell, files)?;
     // Of three bytes base64 makes four.
     let most = Thumbnail::WRITTEN / 4 * 3;
-    let png = coif_shaders::small::small_png(&drawn, asked.transform, asked.rig.exposure, most);
+    let exposure = asked.rig(0.0).exposure;
+    let png = coif_shaders::small::small_png(&drawn, asked.transform, exposure, most);
     let png = png.map_err(|err| Stop::failed(err.to_string()))?;
     Thumbnail::new(png).map_err(Stop::failed)
 }

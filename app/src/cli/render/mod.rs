@@ -11,7 +11,7 @@ use super::progress::Bar;
 use crate::files::Together;
 use crate::jobs::open::writes_all;
 use crate::jobs::render::files::{self, Format, Series};
-use crate::jobs::render::{self, RenderRequest};
+use crate::jobs::render::{self, MOST_FRAMES, MOST_SAMPLES, RenderRequest, Turns};
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
 use crate::scene::lights::{Lights, Surroundings};
@@ -32,6 +32,9 @@ const SAMPLES: u32 = 64;
 const VIEW: &str = "hair";
 const DISPLAY: &str = "agx";
 const MODEL: &str = "karis";
+const TURNS: &str = "camera";
+/// What may be behind the head.
+const BACKGROUNDS: [&str; 2] = ["lights", "transparent"];
 
 #[derive(Args, Clone)]
 pub(crate) struct RenderArgs {
@@ -59,6 +62,9 @@ pub(crate) struct RenderArgs {
     /// This many pictures around the head; %04d in the file's name becomes their number, from 1
     #[arg(long, value_name = "N")]
     turntable: Option<u32>,
+    /// What goes round in a turntable: camera, light
+    #[arg(long, value_name = "WHAT", default_value = TURNS)]
+    turn: String,
     /// Samples in a pixel: 1 is grainy, 64 a clean still
     #[arg(long, value_name = "N", default_value_t = SAMPLES)]
     samples: u32,
@@ -112,6 +118,10 @@ pub(crate) struct RenderArgs {
     /// Only hair
     #[arg(long)]
     no_head: bool,
+    /// What is seen behind the head: lights, the backdrop that goes with them; transparent, nothing, with coverage in the alpha channel
+    /// and no ground
+    #[arg(long, value_name = "WHAT", default_value = BACKGROUNDS[0])]
+    background: String,
     /// No ground under the head; from below none is drawn anyway
     #[arg(long)]
     no_floor: bool,
@@ -130,6 +140,7 @@ impl RenderArgs {
             camera: vec![CAMERA.to_owned()],
             focal: None,
             turntable: None,
+            turn: TURNS.to_owned(),
             samples: SAMPLES,
             view: VIEW.to_owned(),
             light: None,
@@ -144,6 +155,7 @@ impl RenderArgs {
             opacity: 1.0,
             share: 1.0,
             chart: false,
+            background: BACKGROUNDS[0].to_owned(),
             no_head: false,
             no_floor: false,
             report: None,
@@ -151,19 +163,7 @@ impl RenderArgs {
     }
 }
 
-/// The most pictures of a turntable, and the most samples in a pixel.
-const MOST_FRAMES: u32 = 9999;
-const MOST_SAMPLES: u32 = 65536;
-
 impl RenderArgs {
-    /// What lights the picture, in words.
-    fn lit_by(&self) -> String {
-        match (&self.hdri, &self.light) {
-            (Some(path), _) => path.display().to_string(),
-            (None, light) => light.as_deref().unwrap_or(Rig::NAMES[0]).to_owned(),
-        }
-    }
-
     /// With the light and skin that are saved with the groom where nothing else is asked for. Those that this version does not
     /// know are told.
     fn as_saved(&self, document: &Document, warnings: &mut Vec<String>) -> Self {
@@ -199,6 +199,9 @@ impl RenderArgs {
         let models = Model::ALL.map(Model::name);
         let displays = Transform::ALL.map(|t| t.name().to_lowercase().replace('.', ""));
         let displays = displays.each_ref().map(String::as_str);
+        let turns = |text: &str| {
+            Turns::ALL.into_iter().find(|(word, _)| *word == text).map(|(_, turns)| turns)
+        };
         let display =
             |text: &str| displays.iter().position(|name| *name == text).map(|i| Transform::ALL[i]);
         Ok(RenderRequest {
@@ -208,6 +211,7 @@ impl RenderArgs {
                 Some(n) => words::counted("--turntable", n, MOST_FRAMES)?,
                 None => 1,
             },
+            turns: words::named("--turn", &self.turn, &Turns::ALL.map(|(word, _)| word), turns)?,
             samples: words::counted("--samples", self.samples, MOST_SAMPLES)?,
             focal_mm: self
                 .focal
@@ -215,8 +219,11 @@ impl RenderArgs {
                 .transpose()?,
             show,
             view: self.view.clone(),
-            rig: self.rig()?,
-            light: self.lit_by(),
+            lights: self.lights()?,
+            exposure: within("--exposure", self.exposure.unwrap_or(0.0), (-20.0, 20.0), " stops")?,
+            transparent: words::named("--background", &self.background, &BACKGROUNDS, |word| {
+                BACKGROUNDS.iter().position(|known| *known == word)
+            })? == 1,
             transform: words::named("--display", &self.display, &displays, display)?,
             look: Look {
                 model: words::named("--model", &self.model, &models, Model::named)?,
@@ -277,14 +284,13 @@ impl RenderArgs {
     }
 
     /// Lights and surroundings: those of a name, or those of a file.
-    fn rig(&self) -> Result<Rig, Stop> {
+    fn lights(&self) -> Result<Lights, Stop> {
         let turn =
-            within("--light-rotation", self.light_rotation.unwrap_or(0.0), TURNS, " degrees")?;
+            within("--light-rotation", self.light_rotation.unwrap_or(0.0), ROTATIONS, " degrees")?;
         let blur = within("--hdri-blur", self.hdri_blur.unwrap_or(0.0), (0.0, 180.0), " degrees")?;
-        let exposure = within("--exposure", self.exposure.unwrap_or(0.0), (-20.0, 20.0), " stops")?;
-        let lights = match (&self.light, &self.hdri) {
+        match (&self.light, &self.hdri) {
             (Some(_), Some(_)) => {
-                return Err(Stop::refused("--light and --hdri: the light comes from one of them"));
+                Err(Stop::refused("--light and --hdri: the light comes from one of them"))
             }
             (light, None) => {
                 if self.hdri_blur.is_some() {
@@ -294,23 +300,20 @@ impl RenderArgs {
                 let known = |name: &str| Rig::NAMES.into_iter().find(|known| *known == name);
                 let name = light.as_deref().unwrap_or(Rig::NAMES[0]);
                 let name = words::named("--light", name, &Rig::NAMES, known)?;
-                Lights { name, around: None, turn }
+                Ok(Lights { name, around: None, turn })
             }
             (None, Some(path)) => {
                 let fault =
                     |reason: String| Stop::refused(format!("--hdri {}: {reason}", path.display()));
                 let around = Surroundings::read(path).map_err(fault)?;
-                Lights { name: Rig::NAMES[0], around: Some((around, blur)), turn }
+                Ok(Lights { name: Rig::NAMES[0], around: Some((around, blur)), turn })
             }
-        };
-        let mut rig = lights.rig();
-        rig.exposure += exposure;
-        Ok(rig)
+        }
     }
 }
 
 /// Degrees that may be asked for.
-const TURNS: (f32, f32) = (-36000.0, 36000.0);
+const ROTATIONS: (f32, f32) = (-36000.0, 36000.0);
 
 /// Draws a groom as it is, for somebody who waits to see anything at all: with half the samples of a still.
 pub(super) fn plainly(graph: &str, out: &str) -> Exit {

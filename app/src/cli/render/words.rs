@@ -1,10 +1,8 @@
 //! The words of `coif render`'s options: sizes, numbers within limits, names. Each mistake is one line that says what can be written
 //! instead.
 
+use crate::jobs::render::LONGEST;
 use crate::jobs::stop::Stop;
-
-/// Longest side of a picture.
-pub(super) const LONGEST: u32 = 16384;
 
 /// `WIDTHxHEIGHT` in pixels.
 pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Stop> {

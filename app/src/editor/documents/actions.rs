@@ -94,11 +94,11 @@ pub(crate) const ACTIONS: &[Own] = &[
     Action {
         id: "file.picture",
         label: "Save a picture…",
-        tip: "Render the view as .png or .exr, 1920 x 1080, as coif render does. You can go on editing.",
-        words: "render image still screenshot png exr",
+        tip: "Render a still or a turntable as .png or .exr, as coif render does. You can go on editing.",
+        words: "render image still screenshot png exr turntable light sweep",
         menu: "File",
         when: |editor| editor.can_export(),
-        run: |_, out| file(DocumentEvent::Ask(Purpose::Picture), out),
+        run: |_, out| file(DocumentEvent::PicturePanel, out),
     },
     Action {
         id: "file.stop_export",

@@ -62,6 +62,7 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
 /// Says what came of an export.
 fn tell_ended(editor: &mut Editor, row: ExportRow) {
     editor.documents.export_panel.file.forget();
+    editor.documents.picture_panel.file.forget();
     let ExportState::Ended(ended) = row.state else { return };
     let notes = match ended {
         Ended::Done(written) => {
@@ -168,6 +169,7 @@ pub(crate) fn panels(editor: &mut Editor, ui: &mut egui::Ui) {
         editor.apply(event);
     }
     editor.export_panel(&ctx);
+    editor.picture_panel(&ctx);
     let outcome = editor.documents.browser.as_mut().map(|browser| browser.ui(&ctx));
     match outcome {
         Some(browser::BrowserOutcome::Chosen(path)) => {

@@ -15,7 +15,6 @@ use crate::core::room::Room;
 use crate::core::state::OpenFile;
 use crate::editor::Editor;
 use crate::files::{MOST_DOCUMENT, Role, Together, read_at_most};
-use crate::jobs::render::RenderRequest;
 use coif_graphs::compare::undecided;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::history::History;
@@ -60,6 +59,7 @@ impl Editor {
             DocumentEvent::MeshOver { path, bald } => self.try_mesh(&path, bald),
             DocumentEvent::Head(choice) => self.head_chosen(choice),
             DocumentEvent::ExportPanel => self.open_export_panel(),
+            DocumentEvent::PicturePanel => self.open_picture_panel(),
             DocumentEvent::CompareWithSaved => self.compare_with_saved(),
             DocumentEvent::Flip => self.flip(),
             DocumentEvent::EndCompare => self.end_compare(),
@@ -138,6 +138,7 @@ impl Editor {
         self.documents.frames = Some((self.state.revision, Framing::All));
         self.documents.welcome.is_open = false;
         self.documents.export_panel.forget();
+        self.documents.picture_panel.forget();
         self.forget_the_last();
     }
 
@@ -289,8 +290,8 @@ impl Editor {
         let Some(Asking { question, input }) = self.documents.asking.take() else { return };
         let purpose = question.purpose;
         // A panel completes a name by what is chosen in it.
-        let complete =
-            |path| if purpose == Purpose::Export { path } else { purpose.complete(path) };
+        let has_panel = matches!(purpose, Purpose::Export | Purpose::Picture);
+        let complete = |path| if has_panel { path } else { purpose.complete(path) };
         let Some(path) = path.map(complete) else {
             self.documents.after_save = None;
             return;
@@ -302,7 +303,7 @@ impl Editor {
             (Purpose::NewHead, _) => self.apply_to_file(DocumentEvent::NewHead(path)),
             (Purpose::Save, _) => self.apply_to_file(DocumentEvent::SaveTo(path)),
             (Purpose::Export, _) => self.browsed_export(path),
-            (Purpose::Picture, _) => self.picture(path, PICTURE),
+            (Purpose::Picture, _) => self.browsed_picture(&path),
             (Purpose::Surroundings, _) => self.viewport.surround(&path, self.documents.waker()),
             (Purpose::Find, Some((node, input))) => {
                 let name = self.name_for(&path);
@@ -327,16 +328,6 @@ impl Editor {
                 full.to_string_lossy().into_owned()
             }
         }
-    }
-
-    pub(super) fn picture(&mut self, path: PathBuf, size: [u32; 2]) {
-        let asked = RenderRequest {
-            size,
-            cameras: vec![PRESENT.to_owned()],
-            samples: self.state.settings.samples,
-            ..self.viewport.options.picture()
-        };
-        self.export(Content::Picture(asked.into()), path);
     }
 
     /// Writes hair or a picture of the groom as it is now, beside the window.
@@ -456,9 +447,7 @@ impl Editor {
 }
 
 /// What the view of the moment is called where a picture is drawn.
-const PRESENT: &str = "present view";
-/// Pixels of a picture, where nobody says otherwise.
-const PICTURE: [u32; 2] = [1920, 1080];
+pub(super) const PRESENT: &str = "present view";
 
 /// Reads a groom, with the hash of its bytes. The error is one line, with what to do.
 pub(in super::super) fn read(path: &Path) -> Result<(file::Loaded, u64), String> {

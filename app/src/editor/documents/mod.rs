@@ -22,6 +22,7 @@ pub(crate) mod life;
 pub(super) mod over_hair;
 mod own_head;
 mod paths;
+pub(super) mod picture_panel;
 mod recent;
 mod remedies;
 #[cfg(test)]
@@ -39,6 +40,7 @@ use export::Exports;
 use export_panel::ExportPanel;
 use journal::{Journal, Leftover};
 use own_head::OwnHead;
+use picture_panel::PicturePanel;
 use recent::Recent;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -106,6 +108,7 @@ pub struct Documents {
     changed: bool,
     exports: Exports,
     pub(super) export_panel: ExportPanel,
+    pub(super) picture_panel: PicturePanel,
     /// The window closes once all exports have stopped.
     closes_after_export: bool,
     head: Option<OwnHead>,
@@ -152,6 +155,7 @@ impl Documents {
             changed: false,
             exports: Exports::new(wake.clone()),
             export_panel: ExportPanel::default(),
+            picture_panel: PicturePanel::default(),
             closes_after_export: false,
             head: None,
             mesh: None,

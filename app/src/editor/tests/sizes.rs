@@ -11,8 +11,9 @@ const SIZES: [[f32; 2]; 3] = [[1280.0, 720.0], [1600.0, 1000.0], [320.0, 240.0]]
 const SCALES: [f32; 3] = [0.75, 1.0, 2.0];
 
 /// What opens: actions, and what needs more to open ([`open`]).
-const PANELS: [&str; 10] = [
+const PANELS: [&str; 11] = [
     "file.export",
+    "file.picture",
     "edit.settings",
     "window.keys",
     "pen.settings",

@@ -103,6 +103,27 @@ pub(crate) fn numbered(path: &Path, number: u32) -> PathBuf {
     }
 }
 
+/// The file with a place for the number of a turntable's pictures, or without.
+#[cfg(feature = "editor")]
+pub(crate) fn with_number(path: &Path, wanted: bool) -> PathBuf {
+    let name = match (place_of_number(path), wanted) {
+        (Some((before, _, after)), false) => {
+            format!("{}{after}", before.strip_suffix('.').unwrap_or(before))
+        }
+        (None, true) => {
+            let part = |part: Option<&std::ffi::OsStr>| {
+                part.unwrap_or_default().to_string_lossy().into_owned()
+            };
+            match (part(path.file_stem()), part(path.extension())) {
+                (stem, ending) if ending.is_empty() => format!("{stem}.%04d"),
+                (stem, ending) => format!("{stem}.%04d.{ending}"),
+            }
+        }
+        _ => return path.to_owned(),
+    };
+    path.with_file_name(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,6 +161,20 @@ mod tests {
         check("a.jpg", One, Err(".png or .exr"));
         check("a", One, Err(".png or .exr"));
         assert!(said(formats(&[], One)).unwrap_err().contains("--out"));
+    }
+
+    #[cfg(feature = "editor")]
+    #[test]
+    fn a_number_has_its_place_exactly_when_it_is_wanted() {
+        let check = |one: &str, many: &str| {
+            assert_eq!(with_number(Path::new(one), true), Path::new(many));
+            assert_eq!(with_number(Path::new(many), false), Path::new(one));
+            assert_eq!(with_number(Path::new(many), true), Path::new(many));
+            assert_eq!(with_number(Path::new(one), false), Path::new(one));
+        };
+        check("f/turn.png", "f/turn.%04d.png");
+        check("v1.2.exr", "v1.2.%04d.exr");
+        check("f/turn", "f/turn.%04d");
     }
 
     #[test]

@@ -15,6 +15,7 @@ use super::report::{PictureReport, Report, rounded};
 use super::stop::Stop;
 use crate::feeders::feeders;
 use crate::files::Together;
+use crate::scene::lights::Lights;
 use crate::scene::looks::{FileLooks, HeadLooks};
 use crate::scene::{self, Dressed, Show, Skin};
 use crate::words::grouped;
@@ -27,12 +28,14 @@ use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
 use coif_shaders::camera::{Camera, Subject};
 use coif_shaders::display::Transform;
+use coif_shaders::environment::Backdrop;
 use coif_shaders::light::Rig;
 use coif_shaders::picture::{Picture, Samples};
 use coif_shaders::surface::{RootGrid, Solid};
 use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Precision, Renderer, chart};
 use files::Format;
+use glam::Vec3;
 use overlay::Overlay;
 use place::ShotView;
 use std::cell::Cell;
@@ -40,6 +43,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
+
+/// Longest side of a picture, pixels.
+pub(crate) const LONGEST: u32 = 16384;
+/// The most pictures of a turntable.
+pub(crate) const MOST_FRAMES: u32 = 9999;
+/// The most samples in a pixel.
+pub(crate) const MOST_SAMPLES: u32 = 65536;
 
 /// What is drawn.
 #[derive(Clone, Debug)]
@@ -50,8 +60,9 @@ pub(crate) struct RenderRequest {
     pub(crate) files: Vec<(PathBuf, Format)>,
     /// Names of views of any head, of views that the graph has saved, or `close:NODE`: a picture for each.
     pub(crate) cameras: Vec<String>,
-    /// As many pictures around the head, from one camera.
+    /// As many pictures around the head, from one camera, and what goes round.
     pub(crate) frames: u32,
+    pub(crate) turns: Turns,
     /// Samples in a pixel.
     pub(crate) samples: u32,
     /// Focal length over a film 24 mm high; none: the camera's own.
@@ -59,9 +70,11 @@ pub(crate) struct RenderRequest {
     /// What is shown, and its name.
     pub(crate) show: Show,
     pub(crate) view: String,
-    /// What lights it, and its name.
-    pub(crate) rig: Rig,
-    pub(crate) light: String,
+    /// What lights it, and how much brighter or darker than by its own exposure, stops.
+    pub(crate) lights: Lights,
+    pub(crate) exposure: f32,
+    /// Whether nothing is behind head and hair, and no ground under them.
+    pub(crate) transparent: bool,
     /// How pictures for a display are made.
     pub(crate) transform: Transform,
     /// How hair is drawn.
@@ -80,6 +93,22 @@ pub(crate) struct RenderRequest {
     pub(crate) threads: usize,
 }
 
+/// What goes round in a turntable.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Turns {
+    /// The camera about the head.
+    #[default]
+    Camera,
+    /// The light about the head.
+    Light,
+}
+
+impl Turns {
+    /// All of them, with their words.
+    pub(crate) const ALL: [(&'static str, Self); 2] =
+        [("camera", Self::Camera), ("light", Self::Light)];
+}
+
 impl Default for RenderRequest {
     /// A still of a head with all of its hair, in the first lights, without a file.
     fn default() -> Self {
@@ -88,12 +117,14 @@ impl Default for RenderRequest {
             files: vec![],
             cameras: vec!["three-quarter".to_owned()],
             frames: 1,
+            turns: Turns::Camera,
             samples: 64,
             focal_mm: None,
             show: Show::Hair(View::Hair),
             view: "hair".to_owned(),
-            rig: Rig::default(),
-            light: Rig::NAMES[0].to_owned(),
+            lights: Lights { name: Rig::NAMES[0], around: None, turn: 0.0 },
+            exposure: 0.0,
+            transparent: false,
             transform: Transform::default(),
             look: Look::default(),
             skin: Skin::Auto,
@@ -116,6 +147,16 @@ impl RenderRequest {
         self.files.iter().map(named)
     }
 
+    /// What lights a picture of a series in which the light has gone round by so many degrees.
+    pub(crate) fn rig(&self, degrees: f32) -> Rig {
+        let mut rig = Lights { turn: self.lights.turn + degrees, ..self.lights.clone() }.rig();
+        rig.exposure += self.exposure;
+        if self.transparent {
+            rig.environment.backdrop = Backdrop::Plain(Vec3::ZERO);
+        }
+        rig
+    }
+
     /// Tells `files` of all that will be written.
     pub(crate) fn claim(&self, files: &mut Together) -> Result<(), Stop> {
         let shots = self.cameras.iter();
@@ -130,6 +171,8 @@ struct Shot<'a> {
     number: u32,
     camera: &'a str,
     picture: Picture,
+    /// Stops that it is to be brightened by.
+    exposure: f32,
     texts: &'a [(String, String)],
 }
 
@@ -147,15 +190,16 @@ pub(crate) fn draw(
     files: &mut Together,
 ) -> Result<(), Stop> {
     let mut keep = |files: &mut Together, shot: Shot| {
-        let Shot { number, camera, picture, texts } = shot;
+        let Shot { number, camera, picture, exposure, texts } = shot;
         let mut written = vec![];
         for (path, format) in asked.files_of(number, camera) {
             tell.say(format!("writing {}", path.display()));
             let done = files.write(&path, cancel, |out| {
                 let done = match format {
-                    Format::Png => {
-                        picture.write_png(out, asked.transform, asked.rig.exposure, texts)
+                    Format::Png if asked.transparent => {
+                        picture.write_transparent_png(out, asked.transform, exposure, texts)
                     }
+                    Format::Png => picture.write_png(out, asked.transform, exposure, texts),
                     Format::Exr => picture.write_exr(out, Samples::Half, texts),
                 };
                 done.map_err(|err| err.to_string())
@@ -266,7 +310,8 @@ fn draw_shots(
     let stills = stills.collect::<Result<Vec<Camera>, Stop>>()?;
     let description = describe(asked, &scene);
     renderer.set_look(&Look { stands_for: scene.stands_for, ..asked.look });
-    renderer.set_rig(&asked.rig);
+    let mut rig = asked.rig(0.0);
+    renderer.set_rig(&rig);
     renderer.set_solids(scene.solids);
     renderer.set_roots(scene.roots);
     renderer.set_hair(&scene.drawn, &scene.paint);
@@ -280,7 +325,7 @@ fn draw_shots(
         ("hair".to_owned(), hashes(report)),
         ("view".to_owned(), asked.view.clone()),
         ("camera".to_owned(), String::new()),
-        ("light".to_owned(), asked.light.clone()),
+        ("light".to_owned(), asked.lights.called()),
         ("samples".to_owned(), asked.samples.to_string()),
         ("adapter".to_owned(), adapter.clone()),
     ];
@@ -297,7 +342,14 @@ fn draw_shots(
             let at = (number / asked.frames) as usize;
             (&places[at], &stills[at])
         };
-        let camera = still.turned(frame.origin, frame.up, turn);
+        let camera = match asked.turns {
+            Turns::Camera => still.turned(frame.origin, frame.up, turn),
+            Turns::Light => *still,
+        };
+        if asked.turns == Turns::Light && turn != 0.0 {
+            rig = asked.rig(turn);
+            renderer.set_rig(&rig);
+        }
         renderer.set_camera(&camera);
         for (_, text) in texts.iter_mut().filter(|(name, _)| name == "camera") {
             *text = place.in_words(asked);
@@ -319,9 +371,10 @@ fn draw_shots(
         seen(asked.samples);
         let mut picture = renderer.picture();
         if asked.chart {
-            chart::draw(&mut picture, &asked.rig, &camera);
+            chart::draw(&mut picture, &rig, &camera);
         }
-        let shot = Shot { number, camera: &place.name, picture, texts: &texts };
+        let exposure = rig.exposure;
+        let shot = Shot { number, camera: &place.name, picture, exposure, texts: &texts };
         pictures.extend(keep(files, shot)?);
     }
     report.picture = Some(PictureReport {
@@ -331,7 +384,7 @@ fn draw_shots(
         description,
         view: asked.view.clone(),
         camera: asked.cameras.join(", "),
-        light: asked.light.clone(),
+        light: asked.lights.called(),
         samples: asked.samples,
         transform: asked.transform.name(),
         adapter,
@@ -390,7 +443,7 @@ impl Scene {
         warnings.extend(remarks);
         let dressed = Dressed::of(&asked.show, (&hair, stands_for), &followed, scalp.as_deref())
             .map_err(|reason| Stop::failed(format!("--view {}: {reason}", asked.view)))?;
-        if asked.floor {
+        if asked.floor && !asked.transparent {
             solids.extend(dressed.ground(&solids));
         }
         let Dressed { drawn, paint, tubes, roots, stands_for } = dressed;

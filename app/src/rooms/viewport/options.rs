@@ -97,14 +97,11 @@ impl Options {
     /// The same as a picture that is asked for.
     pub(crate) fn picture(&self) -> RenderRequest {
         let (show, view) = self.show_and_name();
-        let lights = self.lights();
-        let mut rig = lights.rig();
-        rig.exposure += self.exposure;
         RenderRequest {
             show,
             view,
-            rig,
-            light: lights.called(),
+            lights: self.lights(),
+            exposure: self.exposure,
             transform: self.transform(),
             look: Look { scalp_tint: Look::default().scalp_tint, ..self.look() },
             skin: self.skin(),
@@ -260,7 +257,7 @@ mod tests {
         let mut other = Options { show: "braid".into(), ..Options::default() };
         other.take(Some(&mine.saved()));
         assert_eq!((other.rig(), other.exposure, other.skin), ("dark-hair", 1.5, 0));
-        assert_eq!((other.turn, other.picture().rig), (40.0, mine.picture().rig));
+        assert_eq!((other.turn, other.picture().lights), (40.0, mine.picture().lights));
         assert_eq!(other.show, "braid");
         let (light, skin) = ("disco".into(), "furry".into());
         let odd = SavedLook { light, exposure: 19.0, turn: 0.0, skin };

@@ -192,26 +192,84 @@ fn exports_wait_for_their_turn_and_each_can_be_stopped() {
 }
 
 #[test]
-fn a_picture_is_drawn_of_what_the_viewport_looks_at() {
+fn the_pictures_of_the_panel_are_those_of_the_command_line() {
+    use clap::Parser;
+    #[derive(Parser)]
+    struct Words {
+        #[command(flatten)]
+        render: crate::cli::render::RenderArgs,
+    }
     let folder = Folder::new("life-picture");
-    let (mut ui, _) = on_empty_head();
+    let (mut ui, fake) = on_empty_head();
     few_guides(&mut ui);
-    let mut settings = ui.state().state.settings.clone();
-    settings.samples = 1;
-    ui.state_mut().apply(Event::Settings(Box::new(settings)));
-    let path = folder.path("a.png");
-    ui.state_mut().picture(path.clone(), [64, 48]);
+    ui.state_mut().viewport.options.turn_light(30.0);
+    ui.run_steps(2);
+    let saved = folder.path("guides.ron");
+    does(&mut ui, DocumentEvent::SaveTo(saved.clone()));
+    act(&mut ui, "file.picture");
+    let panel = &mut ui.state_mut().documents.picture_panel;
+    (panel.size, panel.samples, panel.frames) = ([64, 48], 1, 2);
+    "front".clone_into(&mut panel.camera);
+    for label in ["Transparent", "Frames", "Light goes round"] {
+        press(&mut ui, label);
+    }
+    fake.answers(Answer::Chosen(folder.path("turn")));
+    press(&mut ui, "Browse…");
+    press(&mut ui, "Save pictures");
     all_written(&mut ui);
     let told = said(&ui, Gravity::Error);
     if told.iter().any(|text| text.contains("adapter")) {
         return println!("skipped: a picture needs something that draws: {told:?}");
     }
     let note = said(&ui, Gravity::Note).pop().unwrap_or_default();
-    assert!(note.contains("a.png: 64 x 48, final, 60 strands"), "{note} {told:?}");
-    let icon = eframe::icon_data::from_png_bytes(&std::fs::read(&path).unwrap()).unwrap();
-    assert_eq!((icon.width, icon.height), (64, 48));
-    // The document does not keep the view.
+    let words = "turn.%04d.png: 2 pictures, 64 x 48, final, 60 strands";
+    assert!(note.contains(words), "{note} {told:?}");
+    let (ours, theirs) = (folder.path("turn.0001.png"), folder.path("line.%04d.png"));
+    let words = ["coif", saved.to_str().unwrap(), "--out", theirs.to_str().unwrap()];
+    let more = "--size 64x48 --samples 1 --camera front --background transparent --turntable 2 --turn light";
+    let words = words.into_iter().chain(more.split(' '));
+    let exit = crate::cli::render::run(&Words::parse_from(words).render);
+    assert_eq!(exit, crate::jobs::stop::Exit::Done);
+    let bytes = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    for number in ["0001", "0002"] {
+        let [ours, theirs] = ["turn", "line"].map(|stem| bytes(&format!("{stem}.{number}.png")));
+        assert!(ours == theirs, "{number}");
+    }
+    let icon = |path: &Path| eframe::icon_data::from_png_bytes(&std::fs::read(path).unwrap());
+    let [first, second] = [ours, folder.path("turn.0002.png")].map(|path| icon(&path).unwrap());
+    assert_eq!((first.width, first.height), (64, 48));
+    let alphas =
+        |icon: &egui::IconData| -> Vec<u8> { icon.rgba.chunks(4).map(|pixel| pixel[3]).collect() };
+    assert!(alphas(&first).contains(&0) && alphas(&first).contains(&255));
+    assert_eq!(alphas(&first), alphas(&second), "the camera stays");
+    assert_ne!(first.rgba, second.rgba, "the light goes round");
+}
+
+#[test]
+fn a_picture_of_the_view_of_the_moment_is_no_saved_view() {
+    let folder = Folder::new("life-picture-view");
+    let (mut ui, fake) = on_empty_head();
+    few_guides(&mut ui);
+    act(&mut ui, "file.picture");
+    let offered = ui.state().documents.picture_panel.file.path().unwrap();
+    assert_eq!(offered.file_name().unwrap(), "untitled.png");
+    // A turntable's file has a place for numbers, for as long as it is one; and its format is kept.
+    let typed = |ui: &Ui| ui.state().documents.picture_panel.file.typed.clone();
+    for (label, ending) in
+        [(".exr", "untitled.exr"), ("Frames", "untitled.%04d.exr"), ("Frames", "untitled.exr")]
+    {
+        press(&mut ui, label);
+        assert!(typed(&ui).ends_with(ending), "{label}: {}", typed(&ui));
+    }
+    fake.answers(Answer::Chosen(folder.path("a")));
+    press(&mut ui, "Browse…");
+    assert_eq!(typed(&ui), folder.path("a.exr").display().to_string());
+    press(&mut ui, "Save picture");
+    assert!(ui.state().documents.exports.is_going());
+    does(&mut ui, DocumentEvent::StopExport);
+    all_written(&mut ui);
     assert!(ui.state().state.document.views.is_empty());
+    assert_eq!(std::fs::read_dir(folder.root()).unwrap().count(), 0);
 }
 
 #[test]
