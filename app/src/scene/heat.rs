@@ -80,7 +80,7 @@ pub(crate) fn places(scalp: &Scalp) -> (Vec<Root>, Vec<[u32; 3]>) {
 
 /// What a picture shows as heat.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Heat<'a> {
+pub(crate) enum HeatSource<'a> {
     /// A field: a mask of the head or of a section by its name, or what a node paints.
     Mask(&'a Field),
     /// Where hair grows.
@@ -91,11 +91,13 @@ pub(crate) enum Heat<'a> {
 ///
 /// # Errors
 /// If the head has no such mask.
-pub(crate) fn solid(scalp: &Scalp, heat: &Heat, tone: Tone) -> Result<Solid, String> {
+pub(crate) fn solid(scalp: &Scalp, heat: &HeatSource, tone: Tone) -> Result<Solid, String> {
     let (places, triangles) = places(scalp);
     let values = match heat {
-        Heat::Region => places.iter().map(|at| scalp.grows(at.triangle, at.bary)).collect(),
-        Heat::Mask(field) => field.on_skin(&places, scalp).map_err(|fault| fault.to_string())?,
+        HeatSource::Region => places.iter().map(|at| scalp.grows(at.triangle, at.bary)).collect(),
+        HeatSource::Mask(field) => {
+            field.on_skin(&places, scalp).map_err(|fault| fault.to_string())?
+        }
     };
     let over = OVER * scalp.frame().unit();
     let skin = tone.albedo();

@@ -36,7 +36,7 @@ use coif_shaders::view::{Paint, Shading, View};
 use coif_shaders::{Gpu, Look, Precision, Renderer, chart};
 use files::Format;
 use glam::Vec3;
-use overlay::Overlay;
+use overlay::HeatOverlay;
 use place::ShotView;
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -82,7 +82,7 @@ pub(crate) struct RenderRequest {
     /// What colours heads.
     pub(crate) skin: Skin,
     /// What is drawn as heat on heads.
-    pub(crate) overlay: Option<Overlay>,
+    pub(crate) overlay: Option<HeatOverlay>,
     /// Whether a colour chart, a grey and a chrome ball are drawn into a corner.
     pub(crate) chart: bool,
     /// Whether heads are drawn, and the ground under them.

@@ -4,7 +4,7 @@
 
 use crate::jobs::evaluate::Evaluated;
 use crate::jobs::stop::Stop;
-use crate::scene::heat::{self, Heat};
+use crate::scene::heat::{self, HeatSource};
 use coif_graphs::document::{Document, Socket};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::scalp::Scalp;
@@ -15,14 +15,14 @@ use std::sync::Arc;
 
 /// What is drawn as heat.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Overlay {
+pub(crate) enum HeatOverlay {
     /// Where hair grows: on each head, or on the scalp that a node gives.
     Region(Option<String>),
     /// A mask: of the head, a section, or what the node of this name paints.
     Mask(String),
 }
 
-impl FromStr for Overlay {
+impl FromStr for HeatOverlay {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -35,7 +35,7 @@ impl FromStr for Overlay {
     }
 }
 
-impl Overlay {
+impl HeatOverlay {
     /// The output that has to be evaluated for it; none where the head alone tells.
     pub(super) fn socket(&self, document: &Document) -> Result<Option<Socket>, Stop> {
         let (name, ty) = match self {
@@ -63,19 +63,20 @@ impl Overlay {
         value: Option<&Value>,
         tone: Tone,
     ) -> Result<Vec<Solid>, Stop> {
-        let on = |scalp: &Arc<Scalp>, heat: Heat| heat::solid(scalp, &heat, tone);
+        let on = |scalp: &Arc<Scalp>, heat: HeatSource| heat::solid(scalp, &heat, tone);
         let heads = evaluated.scalps.iter();
         let all: Vec<Result<Solid, String>> = match (self, value) {
-            (Self::Region(_), Some(Value::Scalp(scalp))) => vec![on(scalp, Heat::Region)],
-            (Self::Region(_), _) => heads.map(|scalp| on(scalp, Heat::Region)).collect(),
+            (Self::Region(_), Some(Value::Scalp(scalp))) => vec![on(scalp, HeatSource::Region)],
+            (Self::Region(_), _) => heads.map(|scalp| on(scalp, HeatSource::Region)).collect(),
             (Self::Mask(_), Some(Value::Field(field))) => {
-                heads.map(|scalp| on(scalp, Heat::Mask(field))).collect()
+                heads.map(|scalp| on(scalp, HeatSource::Mask(field))).collect()
             }
             (Self::Mask(name), _) => {
                 let field = Field::Mask(name.clone());
                 // A parted head has its sections and the masks of the head.
                 let parted = evaluated.parted.iter().rev();
-                let all: Vec<_> = parted.chain(heads).map(|s| on(s, Heat::Mask(&field))).collect();
+                let all: Vec<_> =
+                    parted.chain(heads).map(|s| on(s, HeatSource::Mask(&field))).collect();
                 match all.iter().position(Result::is_ok) {
                     Some(first) => all.into_iter().skip(first).take(1).collect(),
                     None => all,
