@@ -33,6 +33,8 @@ pub struct PenSettings {
     /// Whether the level of a touch on hair is told by the mean pressure of its first 2 pixels, as in the paper, instead of the
     /// highest of its beginning.
     pub level_by_mean: bool,
+    /// Whether the bar says what its tools are called, besides their icons.
+    pub words: bool,
     /// Whether the pen works on single strands instead of what they grow from. Not kept.
     #[serde(skip)]
     pub strands: bool,
@@ -52,6 +54,7 @@ impl Default for PenSettings {
             hair_brush: 3.0,
             hair_colour: None,
             level_by_mean: false,
+            words: false,
             strands: false,
         }
     }

@@ -476,11 +476,13 @@ impl egui_dock::TabViewer for Tabs<'_> {
             messages,
             templates,
             compare,
+            keys,
             ..
         } = &mut *self.editor;
         match room {
             Room::Viewport => {
-                pen.bar(state, ui, self.out);
+                let name = |id: &str| keys.of(id).map(|keys| keys::name_of(&keys));
+                pen.bar(state, &name, ui, self.out);
                 let flipped = compare.as_ref().and_then(Compare::flipped);
                 viewport.pen = pen.holds(ui.ctx(), flipped.is_some());
                 viewport.whose = compare.as_ref().map(Compare::whose);

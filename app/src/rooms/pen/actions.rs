@@ -267,6 +267,19 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
         run: |pen, _, _| pen.settings_open = !pen.settings_open,
     },
     Action {
+        id: "pen.words",
+        label: "Words beside tools",
+        tip: "Write the names of the pen's tools beside their icons, in as many rows as that takes.",
+        words: "names labels icons text bar toolbar",
+        menu: "Pen",
+        when: always,
+        run: |_, state, out| {
+            let mut settings = state.settings.clone();
+            settings.pen.words = !settings.pen.words;
+            out.push(Event::Settings(settings.into()));
+        },
+    },
+    Action {
         id: "strokes.delete",
         label: "Delete strokes or points",
         tip: "Remove the picked strokes or points.",

@@ -35,6 +35,7 @@ use crate::core::notes::Note;
 use crate::core::pen::Holds;
 use crate::core::projection::Projection;
 use crate::core::state::State;
+use crate::widgets::icons::{self, Icon};
 use coif_graphs::document::{NodeId, Socket};
 use coif_nodes::data::gestures::Tool;
 use coif_nodes::data::scalp::Scalp;
@@ -80,42 +81,62 @@ pub enum PenTool {
     Mask(Mode),
 }
 
-/// The tools as they stand in the bar: what they are called, and their actions.
-const TOOLS: &[(PenTool, &str, &str)] = &[
-    (PenTool::Select, "Select", "pen.select"),
-    (PenTool::Draw, "Draw", "pen.draw"),
-    (PenTool::Points, "Points", "pen.points"),
-    (PenTool::Redraw, "Re-draw", "pen.redraw"),
-    (PenTool::Erase, "Erase", "pen.erase"),
-    (PenTool::Comb, "Comb", "pen.comb"),
-    (PenTool::Smooth, "Smooth", "pen.smooth_brush"),
-    (PenTool::Hair(None), "Sketch", "hair.sketch"),
-    (PenTool::Hair(Some(Tool::Implant)), "Implant", "hair.implant"),
-    (PenTool::Hair(Some(Tool::Lengthen)), "Lengthen", "hair.lengthen"),
-    (PenTool::Hair(Some(Tool::Comb)), "Comb", "hair.comb"),
-    (PenTool::Hair(Some(Tool::Cut)), "Cut", "hair.cut"),
-    (PenTool::Hair(Some(Tool::Density)), "Density", "hair.density"),
-    (PenTool::Hair(Some(Tool::Twist)), "Twist", "hair.twist"),
-    (PenTool::Hair(Some(Tool::Frizz)), "Frizz", "hair.frizz"),
-    (PenTool::Hair(Some(Tool::Pin)), "Pin", "hair.pin"),
-    (PenTool::Hair(Some(Tool::Smooth)), "Smooth", "hair.smooth"),
-    (PenTool::Hair(Some(Tool::Puff)), "Puff", "hair.puff"),
-    (PenTool::Hair(Some(Tool::Grab)), "Grab", "hair.grab"),
-    (PenTool::Hair(Some(Tool::Straighten)), "Straighten", "hair.straighten"),
-    (PenTool::Hair(Some(Tool::Point)), "Points", "hair.point"),
-    (PenTool::Hair(Some(Tool::Redraw)), "Re-draw", "hair.redraw"),
-    (PenTool::Hair(Some(Tool::Scatter)), "Scatter", "hair.scatter"),
-    (PenTool::Hair(Some(Tool::Silhouette)), "Silhouette", "hair.silhouette"),
-    (PenTool::Mask(Mode::Paint), "Paint", "mask.paint"),
-    (PenTool::Mask(Mode::Erase), "Erase mask", "mask.erase"),
-    (PenTool::Mask(Mode::Smooth), "Smooth mask", "mask.smooth"),
-    (PenTool::Mask(Mode::Flood), "Flood", "mask.flood"),
+/// A tool as it stands in the bar: what it is called, its action, and its icon.
+type ToolEntry = (PenTool, &'static str, &'static str, Icon);
+
+/// The tools of the bar, grouped as hands think: to select, draw, comb, cut, shape and paint. Within a group, what
+/// works on hair comes before what works on strokes.
+const TOOLS: &[&[ToolEntry]] = &[
+    &[
+        (PenTool::Select, "Select", "pen.select", icons::SELECT),
+        (PenTool::Hair(Some(Tool::Point)), "Points", "hair.point", icons::HAIR_POINTS),
+        (PenTool::Points, "Stroke points", "pen.points", icons::STROKE_POINTS),
+    ],
+    &[
+        (PenTool::Hair(None), "Sketch", "hair.sketch", icons::SKETCH),
+        (PenTool::Hair(Some(Tool::Implant)), "Implant", "hair.implant", icons::IMPLANT),
+        (PenTool::Hair(Some(Tool::Lengthen)), "Lengthen", "hair.lengthen", icons::LENGTHEN),
+        (PenTool::Hair(Some(Tool::Redraw)), "Re-draw", "hair.redraw", icons::REDRAW_HAIR),
+        (PenTool::Hair(Some(Tool::Scatter)), "Scatter", "hair.scatter", icons::SCATTER),
+        (PenTool::Hair(Some(Tool::Silhouette)), "Silhouette", "hair.silhouette", icons::SILHOUETTE),
+        (PenTool::Draw, "Draw", "pen.draw", icons::DRAW),
+        (PenTool::Redraw, "Re-draw stroke", "pen.redraw", icons::REDRAW_STROKE),
+    ],
+    &[
+        (PenTool::Hair(Some(Tool::Comb)), "Comb", "hair.comb", icons::COMB_HAIR),
+        (PenTool::Hair(Some(Tool::Smooth)), "Smooth", "hair.smooth", icons::SMOOTH_HAIR),
+        (PenTool::Hair(Some(Tool::Grab)), "Grab", "hair.grab", icons::GRAB),
+        (PenTool::Comb, "Comb strokes", "pen.comb", icons::COMB_STROKES),
+        (PenTool::Smooth, "Smooth strokes", "pen.smooth_brush", icons::SMOOTH_STROKES),
+    ],
+    &[
+        (PenTool::Hair(Some(Tool::Cut)), "Cut", "hair.cut", icons::CUT),
+        (PenTool::Erase, "Erase strokes", "pen.erase", icons::ERASE_STROKES),
+    ],
+    &[
+        (PenTool::Hair(Some(Tool::Straighten)), "Straighten", "hair.straighten", icons::STRAIGHTEN),
+        (PenTool::Hair(Some(Tool::Puff)), "Puff", "hair.puff", icons::PUFF),
+        (PenTool::Hair(Some(Tool::Twist)), "Twist", "hair.twist", icons::TWIST),
+        (PenTool::Hair(Some(Tool::Frizz)), "Frizz", "hair.frizz", icons::FRIZZ),
+        (PenTool::Hair(Some(Tool::Density)), "Density", "hair.density", icons::DENSITY),
+        (PenTool::Hair(Some(Tool::Pin)), "Pin", "hair.pin", icons::PIN),
+    ],
+    &[
+        (PenTool::Mask(Mode::Paint), "Paint", "mask.paint", icons::PAINT),
+        (PenTool::Mask(Mode::Erase), "Erase mask", "mask.erase", icons::ERASE_MASK),
+        (PenTool::Mask(Mode::Smooth), "Smooth mask", "mask.smooth", icons::SMOOTH_MASK),
+        (PenTool::Mask(Mode::Flood), "Flood", "mask.flood", icons::FLOOD),
+    ],
 ];
 
 impl PenTool {
     /// What the bar and the corner of the picture say.
     pub fn label(self) -> &'static str {
-        TOOLS.iter().find(|(tool, ..)| *tool == self).map_or("", |(_, label, _)| label)
+        self.entry().map_or("", |(_, label, ..)| label)
+    }
+
+    fn entry(self) -> Option<&'static ToolEntry> {
+        TOOLS.iter().copied().flatten().find(|(tool, ..)| *tool == self)
     }
 
     /// Whether it works on strokes.

@@ -6,79 +6,113 @@ use crate::core::action::Of;
 use crate::core::event::Event;
 use crate::core::pen::{Along, Curve, Feel, MOUSE, PenSettings, TOUCH};
 use crate::core::state::State;
-use crate::widgets::panel;
-use crate::widgets::theme;
+use crate::widgets::{icons, panel, theme};
 use coif_graphs::document::edit::Edit;
 use coif_nodes::data::gestures::{Layer, Tool};
 use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
 /// The bar takes no more than this of the room's height.
 const SHARE: f32 = 0.4;
+/// Between groups of tools, points.
+const GAP: f32 = 8.0;
+
+/// The keys of an action, for people; none where it has none.
+type KeyNames<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 impl Pen {
-    /// The bar: tools on strokes, under them those on hair and on masks, and behind these what the tool in hand needs. Where all
-    /// of it would take more than its share of the room it scrolls: the picture is what is worked on.
-    pub fn bar(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+    /// The bar: tools, and under them what the tool in hand needs. Where all of it would take more than its share of the room it
+    /// scrolls: the picture is what is worked on. `keys` gives the keys of an action, for people.
+    pub fn bar(&mut self, state: &State, keys: KeyNames, ui: &mut Ui, out: &mut Vec<Event>) {
         let line = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
         let most = (ui.available_height() * SHARE).max(line);
         let bar = egui::ScrollArea::vertical().id_salt("pen bar").max_height(most);
         bar.min_scrolled_height(0.0).auto_shrink([false, true]).show(ui, |ui| {
-            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-            self.lines(state, ui, out);
+            let style = ui.style_mut();
+            style.wrap_mode = Some(egui::TextWrapMode::Extend);
+            // The wheel scrolls a row that is wider than the room.
+            style.always_scroll_the_only_direction = true;
+            if state.settings.pen.words {
+                ui.horizontal_wrapped(|ui| self.tools(state, keys, ui, out));
+            } else {
+                let row = egui::ScrollArea::horizontal().id_salt("pen tools");
+                row.show(ui, |ui| ui.horizontal(|ui| self.tools(state, keys, ui, out)));
+            }
+            self.settings_line(state, ui, out);
         });
     }
 
-    fn lines(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
-        let mut settings = state.settings.pen.clone();
-        ui.horizontal_wrapped(|ui| {
-            self.tools(|tool| tool == PenTool::Select, ui, out);
-            name(ui, "Strokes", "Draw and edit strokes, for rows and guides.");
-            self.tools(PenTool::is_on_strokes, ui, out);
-            let region = state.pinned.is_some() && state.pinned == target::region(state);
-            act(ui, region, "pen.region", out);
-            ui.separator();
-            let menu = ui.menu_button("Recipes", |ui| {
-                panel::list(ui, |ui| {
-                    for recipe in &recipes::ALL {
-                        if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
-                            out.push(Event::Act(recipe.action));
-                            ui.close();
-                        }
+    /// Tools to take up, then what is not of any.
+    fn tools(&mut self, state: &State, keys: KeyNames, ui: &mut Ui, out: &mut Vec<Event>) {
+        let words = state.settings.pen.words;
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for group in TOOLS {
+            for (tool, label, action, icon) in *group {
+                let chosen = icons::choice(ui, self.tool == *tool, *icon, label, words);
+                if chosen.on_hover_text(tip(action, keys)).clicked() {
+                    // Not by the action: its key means the same on hair, strokes and masks, this one of them.
+                    self.tool = *tool;
+                }
+            }
+            ui.add_space(GAP);
+        }
+        let mut act = |icon, on, action: &'static str, ui: &mut Ui| {
+            let label = named(action).map_or("", |action| action.label);
+            let chosen = icons::choice(ui, on, icon, label, words);
+            if chosen.on_hover_text(tip(action, keys)).clicked() {
+                out.push(Event::Act(action));
+            }
+        };
+        let region = state.pinned.is_some() && state.pinned == target::region(state);
+        act(icons::REGION, region, "pen.region", ui);
+        act(icons::SETTINGS, self.settings_open, "pen.settings", ui);
+        let menu = ui.menu_button("Recipes", |ui| {
+            panel::list(ui, |ui| {
+                for recipe in &recipes::ALL {
+                    if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
+                        out.push(Event::Act(recipe.action));
+                        ui.close();
                     }
-                });
+                }
             });
-            menu.response.on_hover_text("Ready-made parts of a graph to draw into.");
-            act(ui, self.settings_open, "pen.settings", out);
         });
-        ui.horizontal_wrapped(|ui| {
-            name(
-                ui,
-                "Hair",
-                "Implant and style hair on the head, or edit hair that the graph made.",
-            );
-            self.tools(|tool| matches!(tool, PenTool::Hair(_)), ui, out);
-        });
-        // One line whatever the tool in hand needs: the picture under it keeps its place.
+        menu.response.on_hover_text("Ready-made parts of a graph to draw into.");
+        let switch = theme::choice(ui, words, "Words");
+        if switch.on_hover_text(tip("pen.words", keys)).clicked() {
+            out.push(Event::Act("pen.words"));
+        }
+    }
+
+    /// The tool in hand, and what it needs: one line whatever that is, so that the picture under it keeps its place.
+    fn settings_line(&mut self, state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
+        let mut settings = state.settings.pen.clone();
+        let action = self.tool.entry().and_then(|(_, _, action, _)| named(action));
         let line = egui::ScrollArea::horizontal().id_salt("pen settings line");
         line.show(ui, |ui| {
             ui.horizontal(|ui| {
-                name(ui, "Mask", "Paint a mask on the head, for any field to read.");
-                self.mask_bar(&mut settings, ui, out);
-                // What the tool in hand needs comes last, so that no tool is ever elsewhere.
-                if let PenTool::Hair(tool) = self.tool {
-                    ui.separator();
-                    self.hair_settings(tool, &mut settings, ui);
-                    act(ui, settings.strands, "hair.strands", out);
-                    act(ui, settings.symmetry, "pen.symmetry", out);
-                } else if self.tool.is_on_strokes() {
-                    ui.separator();
-                    self.tool_settings(&mut settings, ui);
-                    self.height(state, ui, out);
-                    let node = target::of(state, Fills::Strokes);
-                    let mirrored =
-                        node.and_then(|id| target::choice(&state.document, &id, "mirror"));
-                    let on = mirrored.map_or(settings.symmetry, |word| word == "both");
-                    act(ui, on, "pen.symmetry", out);
+                if let Some(Of { label, tip, .. }) = action {
+                    let quiet = egui::RichText::new(*label).color(theme::QUIET);
+                    ui.label(quiet).on_hover_text(*tip);
+                }
+                match self.tool {
+                    PenTool::Select => {
+                        // As high as it is with a tool.
+                        ui.set_min_height(ui.spacing().interact_size.y);
+                    }
+                    PenTool::Mask(mode) => self.mask_settings(mode, &mut settings, ui),
+                    PenTool::Hair(tool) => {
+                        self.hair_settings(tool, &mut settings, ui);
+                        act(ui, settings.strands, "hair.strands", out);
+                        act(ui, settings.symmetry, "pen.symmetry", out);
+                    }
+                    _ => {
+                        self.tool_settings(&mut settings, ui);
+                        self.height(state, ui, out);
+                        let node = target::of(state, Fills::Strokes);
+                        let mirrored =
+                            node.and_then(|id| target::choice(&state.document, &id, "mirror"));
+                        let on = mirrored.map_or(settings.symmetry, |word| word == "both");
+                        act(ui, on, "pen.symmetry", out);
+                    }
                 }
             })
         });
@@ -86,17 +120,6 @@ impl Pen {
             let settings =
                 crate::core::settings::Settings { pen: settings, ..state.settings.clone() };
             out.push(Event::Settings(settings.into()));
-        }
-    }
-
-    /// Tools to take up.
-    pub(super) fn tools(&self, which: fn(PenTool) -> bool, ui: &mut Ui, out: &mut Vec<Event>) {
-        for (tool, label, action) in TOOLS.iter().filter(|(tool, ..)| which(*tool)) {
-            let tip = named(action).map_or("", |action| action.tip);
-            let chosen = theme::choice(ui, self.tool == *tool, label);
-            if chosen.on_hover_text(tip).clicked() {
-                out.push(Event::Act(action));
-            }
         }
     }
 
@@ -321,14 +344,16 @@ impl Pen {
     }
 }
 
-/// What a group of tools works on.
-fn name(ui: &mut Ui, name: &str, tip: &str) {
-    ui.label(egui::RichText::new(name).color(theme::QUIET)).on_hover_text(tip);
-}
-
 /// The pen's own action of an id.
 fn named(id: &str) -> Option<&'static Of<Pen>> {
     super::ACTIONS.iter().copied().flatten().find(|action| action.id == id)
+}
+
+/// What is said of an action over its icon: its name, keys and tip.
+fn tip(action: &str, keys: KeyNames) -> String {
+    let Some(Of { label, tip, .. }) = named(action) else { return String::new() };
+    let keys = keys(action).map_or_else(String::new, |keys| format!(" ({keys})"));
+    format!("{label}{keys}\n{tip}")
 }
 
 /// An action to press, lit while it is on.

@@ -15,8 +15,8 @@ use super::overlay::line;
 use super::sample::{PenSample as Report, Phase, Tool as End};
 use super::target::Fills;
 use super::touch::{Begun, DrawnItem, Outcome, Touch, TouchStep, Wanted, Work};
-use super::{Pen, PenTool, Scene};
-use crate::core::event::Event;
+use super::{Pen, Scene};
+use crate::core::pen::PenSettings;
 use crate::widgets::theme;
 use coif_graphs::document::strokes::finish;
 use coif_nodes::data::strokes::{Brush, Mode, Sample};
@@ -145,16 +145,8 @@ pub(super) fn under(painter: &Painter, scene: &mut Scene) {
 }
 
 impl Pen {
-    /// The row of the bar with the tools that paint, and what they need.
-    pub(super) fn mask_bar(
-        &mut self,
-        settings: &mut crate::core::pen::PenSettings,
-        ui: &mut Ui,
-        out: &mut Vec<Event>,
-    ) {
-        self.tools(|tool| matches!(tool, PenTool::Mask(_)), ui, out);
-        let PenTool::Mask(mode) = self.tool else { return };
-        ui.separator();
+    /// What a tool that paints needs.
+    pub(super) fn mask_settings(&mut self, mode: Mode, settings: &mut PenSettings, ui: &mut Ui) {
         let mut number = |value: &mut f32, range, prefix: &str, unit: &str, tip: &str| {
             let drag = egui::DragValue::new(value).range(range).speed(0.02);
             ui.add(drag.prefix(prefix.to_owned()).suffix(unit.to_owned())).on_hover_text(tip);
