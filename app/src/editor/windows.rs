@@ -6,9 +6,11 @@ use super::{Editor, layout};
 use crate::core::documents::{DocumentEvent, HeadChoice};
 use crate::core::event::{Event, Window};
 use crate::core::room::Room;
+use crate::core::state::Select;
 use crate::widgets::keyboard::escape_at;
 use crate::widgets::panel::{id, room};
 use egui::{Area, Context, Id, LayerId, Order, Popup, Sense};
+use std::collections::BTreeSet;
 
 /// Panels that Escape closes.
 const SETTINGS: &str = "settings";
@@ -85,7 +87,11 @@ impl Editor {
                 return true;
             }
         }
-        if !self.palette.close() && !self.canvas.close_search() && !self.close_front_panel(ctx) {
+        let closed = self.palette.close()
+            || self.canvas.close_search()
+            || self.close_front_panel(ctx)
+            || self.frees_hair();
+        if !closed {
             return false;
         }
         ctx.input_mut(|input| {
@@ -99,6 +105,17 @@ impl Editor {
             });
         });
         true
+    }
+
+    /// Over a picture at rest, Escape selects no curve: what was frozen beside the selected ones is free.
+    fn frees_hair(&mut self) -> bool {
+        let state = &self.state;
+        let rests = state.run.since.is_none() && !self.pen.is_drawing();
+        let frees = rests && state.focus == Room::Viewport && !state.selection.curves.is_empty();
+        if frees {
+            self.apply(Event::Select(Select::Curves(BTreeSet::new())));
+        }
+        frees
     }
 
     fn close_front_panel(&mut self, ctx: &Context) -> bool {

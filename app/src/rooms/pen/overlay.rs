@@ -46,16 +46,23 @@ pub(super) fn paint(tool: PenTool, touches: &Touches, ui: &egui::Ui, scene: &mut
     }
     tell(ui, &painter, scene);
     if tool != PenTool::Select {
-        let name = scene.node.as_ref().map(|node| scene.state.document.name_of(node));
-        let new = coif_nodes::by_id(tool.fills().kind()).map_or("", |def| def.label);
-        let new = || format!("new {}", new.to_lowercase()).into();
-        let words = format!("{}: {}", tool.label(), name.unwrap_or_else(new));
+        let words = format!("{}: {}", tool.label(), filled(tool, scene));
         let at = scene.view.rect.right_top() + Vec2::new(-12.0, 12.0);
         label(&painter, at, Align2::RIGHT_TOP, &words);
         if touches.hover.is_some() && ui.rect_contains_pointer(scene.view.rect) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
         }
     }
+}
+
+/// What a touch fills: the curves that are not frozen, or else a node.
+fn filled(tool: PenTool, scene: &mut Scene) -> String {
+    let free = matches!(tool, PenTool::Hair(_)).then(|| hair::frozen(scene)).flatten();
+    let node = || scene.node.as_ref().map(|node| scene.state.document.name_of(node).into());
+    free.or_else(node).unwrap_or_else(|| {
+        let new = coif_nodes::by_id(tool.fills().kind()).map_or("", |def| def.label);
+        format!("new {}", new.to_lowercase())
+    })
 }
 
 /// The strokes, and what a touch would pick now.

@@ -4,14 +4,16 @@
 //! stays is what was seen. Beside skin and hair it picks a colour (`wheel.rs`).
 //!
 //! Guarantees: a touch begins only on hair that is shown as it is; one that does nothing changes nothing, and the place where it ended
-//! says why.
+//! says why; while curves are selected, what is there of the rest stays as it is.
 
 pub(crate) mod actions;
+mod free;
 mod look;
 pub(super) mod target;
 mod touch;
 mod wheel;
 
+pub(super) use free::words as frozen;
 pub(super) use look::{cursor, has_brush, under};
 
 use super::Scene;
@@ -46,6 +48,7 @@ pub(crate) struct Hair {
     answered: usize,
     /// What the pen must see.
     wanted: Vec<Socket>,
+    free: free::FreeCount,
 }
 
 /// The view of a projection, as gestures keep it: in the head's frame, with points of the screen for pixels.
@@ -158,7 +161,8 @@ pub(super) fn begin(tool: Option<Tool>, report: &Report, scene: &mut Scene) -> B
         tap.iter_mut().for_each(|sample| sample.time += (when - report.time) as f32);
         tap
     });
-    let work = HairTouch::new(hand, line, tap, before, came_in);
+    let free = free::free(scene.state, &before);
+    let work = HairTouch::new(hand, line, tap, (before, free), came_in);
     Ok(Some(Touch::new((node, make), Fills::Hair, "hair sketched", work, scene)))
 }
 

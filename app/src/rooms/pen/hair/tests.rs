@@ -1,6 +1,7 @@
 //! The pen on hair in the editor: samples in, gestures, hair and undo steps out.
 
 mod fine;
+mod frozen;
 mod styles;
 
 use super::super::sample::{Device, PenSample as Report, Phase, Tool as End};
@@ -154,20 +155,22 @@ fn what_is_seen_before_the_pen_is_lifted_is_what_stays_and_what_a_farm_makes() {
         }
     }
     assert_eq!(salon.tools(), [Tool::Implant, Tool::Implant, Tool::Implant, Tool::Comb]);
-    // Written, read and evaluated without a window.
-    let text = coif_graphs::file::write(&salon.0.editor().state.document);
-    let read = coif_graphs::file::read(&text).expect("it reads").document;
-    let node = salon.node().expect("a sketch");
-    let socket = target::output(&node);
-    let files = DiskFiles::default();
-    let planned = plan(&read, &[socket], Quality::Final, &files).expect("it can be evaluated");
-    let evaluator = Evaluator::new(1, 1 << 28).expect("threads");
-    let outcome = evaluator.run(&planned, OnFailure::Stop, &CancelToken::default(), &Quiet);
-    let Some(Some(Value::Curves(made))) = outcome.targets.first() else { panic!("no curves") };
-    assert_eq!(content_hash(made), content_hash(&salon.curves()));
+    assert_eq!(content_hash(&salon.farmed()), content_hash(&salon.curves()));
 }
 
 impl Salon {
+    /// The curves of the sketch, written, read and evaluated without a window.
+    fn farmed(&mut self) -> Curves {
+        let text = coif_graphs::file::write(&self.0.editor().state.document);
+        let read = coif_graphs::file::read(&text).expect("it reads").document;
+        let socket = target::output(&self.node().expect("a sketch"));
+        let files = DiskFiles::default();
+        let planned = plan(&read, &[socket], Quality::Final, &files).expect("it can be evaluated");
+        let evaluator = Evaluator::new(1, 1 << 28).expect("threads");
+        let outcome = evaluator.run(&planned, OnFailure::Stop, &CancelToken::default(), &Quiet);
+        let Some(Some(Value::Curves(made))) = outcome.targets.first() else { panic!("no curves") };
+        made.clone()
+    }
     /// Until what is drawn so far is evaluated, with the pen still down.
     fn rest_drawing(&mut self) {
         for _ in 0..3 {

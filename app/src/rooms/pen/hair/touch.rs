@@ -8,7 +8,7 @@ use super::super::Scene;
 use super::super::sample::{PenSample as Report, Phase, Tool as End};
 use super::super::target::gestures;
 use super::super::touch::{DrawnItem, Outcome, TouchStep, Wanted, Work};
-use super::{is_mouse, look, target};
+use super::{free, is_mouse, look, target};
 use crate::core::state::State;
 use coif_graphs::document::NodeId;
 use coif_graphs::document::gestures::finish;
@@ -22,6 +22,7 @@ use coif_nodes::sketch::hair_sketch::resolved;
 use coif_nodes::sketch::level::{Rule, level};
 use egui::{Painter, Pos2};
 use glam::Vec2;
+use std::collections::BTreeSet;
 
 /// A touch that stays this near to where it began is no stroke for a tool of the shelf, points.
 pub(super) const STILL: f32 = 3.0;
@@ -94,6 +95,8 @@ pub(super) struct HairTouch {
     pub(super) guess: Guess,
     /// The node's curves before it, and the key of what came in to it.
     pub(super) before: Curves,
+    /// The curves that it may act on; none: all.
+    free: Option<BTreeSet<u64>>,
     came_in: Option<Key>,
     /// Id of the gesture, once it has one.
     id: u64,
@@ -109,12 +112,12 @@ impl HairTouch {
         hand: InHand,
         line: Line,
         tap: Option<Vec<PenSample>>,
-        before: Curves,
+        (before, free): (Curves, Option<BTreeSet<u64>>),
         came_in: Option<Key>,
     ) -> Self {
         let (guess, id, told) = (Guess::Unsure(""), 0, None);
         let (lifted, first) = (false, None);
-        Self { hand, line, tap, guess, before, came_in, id, told, lifted, first }
+        Self { hand, line, tap, guess, before, free, came_in, id, told, lifted, first }
     }
 
     /// How deep it reaches.
@@ -179,10 +182,29 @@ impl HairTouch {
             },
         };
         let mut gesture = finish(gesture, &gestures(&scene.state.document, node))?;
+        if !self.names_its_curves(&mut gesture, &self.before, node, scene) {
+            self.guess = Guess::Unsure(free::FROZEN);
+            return None;
+        }
         // It keeps the first id that it got.
         self.id = if self.id == 0 { gesture.id } else { self.id };
         gesture.id = self.id;
         Some(gesture)
+    }
+
+    /// Where hair is frozen, names the curves that a gesture acts on. False where there are none.
+    fn names_its_curves(
+        &self,
+        gesture: &mut Gesture,
+        hair: &Curves,
+        node: &NodeId,
+        scene: &Scene,
+    ) -> bool {
+        let Some(free) = self.free.as_ref().filter(|_| free::acts_on_hair(gesture.tool)) else {
+            return true;
+        };
+        gesture.curves = free::passed(gesture, hair, free, (scene.scalp, rho(node, scene)));
+        !gesture.curves.is_empty()
     }
 
     /// The pen has left the picture: a touch that means nothing ends at once, and a tap is remembered.
@@ -221,7 +243,8 @@ impl HairTouch {
                 let middle = known.root.is_some_and(|root| root.x.abs() < MIDDLE);
                 let others = gestures(&scene.state.document, &step.node);
                 let both = settings.symmetry && first.is_none() && !middle;
-                let twin = both.then(|| finish(told.mirrored(), &others)).flatten();
+                let mut twin = both.then(|| finish(told.mirrored(), &others)).flatten();
+                twin.take_if(|twin| !self.names_its_curves(twin, after, &step.node, scene));
                 let item = |gesture| Some(DrawnItem::Gesture(gesture));
                 step.tell(vec![(told.id, item(known))], scene);
                 if let Some(twin) = twin {
