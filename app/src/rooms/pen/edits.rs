@@ -77,6 +77,11 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
+    /// Where it is half as strong as in its middle, in its radius.
+    pub(crate) fn half() -> f32 {
+        (1.0 - 0.5_f32.sqrt()).sqrt()
+    }
+
     /// Combs a path (cm in the world) the way of the brush; false when the brush does not reach it. Roots stay.
     pub(crate) fn comb(&self, scalp: &Scalp, path: &mut [Vec3]) -> bool {
         self.brush(scalp, path, |_, _, _| Some(self.by))

@@ -8,7 +8,7 @@ use super::drawing::{GrowingStroke, skin};
 use super::sample::Tool;
 use super::shapes::{Shape, StrokePlace};
 use super::touch::Touches;
-use super::{PenTool, Said, Scene, hair, mask};
+use super::{PenTool, Said, Scene, edits, hair, mask};
 use crate::widgets::theme;
 use coif_nodes::data::scalp::Scalp;
 use coif_nodes::data::strokes::Sample;
@@ -20,6 +20,8 @@ use glam::Vec3;
 const POINT: f32 = 3.0;
 /// Corners of the brush's disc.
 const CORNERS: usize = 40;
+/// How strongly the ring is drawn where a brush does half of what it does in its middle.
+pub(super) const HALF: f32 = 0.5;
 /// Lines of strokes.
 pub(super) const LINE: Color32 = Color32::from_rgb(150, 190, 230);
 /// Outlines around marks, so that they are seen on hair of any colour.
@@ -135,11 +137,21 @@ fn stroke(tool: PenTool, shape: &Shape, hovered: bool, painter: &Painter, scene:
     }
 }
 
-/// The disc of the brush, or a dot with the pressure that a mouse would have.
+/// The disc of the brush and where it is half as strong, or a dot with the pressure that a mouse would have.
 fn cursor(tool: PenTool, input: &Input, still: bool, painter: &Painter, scene: &Scene) {
     let at = input.sample.pos;
     if tool.has_brush() || input.sample.tool == Tool::Eraser {
-        brush(painter, scene, at, scene.state.settings.pen.brush(), theme::ACCENT);
+        let radius = scene.state.settings.pen.brush();
+        brush(painter, scene, at, radius, theme::ACCENT);
+        let half = match tool {
+            _ if input.sample.tool == Tool::Eraser => None,
+            PenTool::Comb | PenTool::Smooth => Some(edits::Pass::half()),
+            PenTool::Mask(_) => Some(mask::half(scene)),
+            _ => None,
+        };
+        if let Some(half) = half {
+            brush(painter, scene, at, half * radius, theme::ACCENT.gamma_multiply(HALF));
+        }
     }
     if tool == PenTool::Draw && still {
         painter.circle(at, 2.5, theme::ACCENT, Stroke::new(1.0, EDGE));

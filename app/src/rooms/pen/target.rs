@@ -185,6 +185,17 @@ pub(super) fn default(kind: &str, input: &str) -> Option<Value> {
     coif_nodes::by_id(kind)?.input(input)?.1.default()
 }
 
+/// A number that a node of a kind is set to; its default where it is set to none, or where there is no node.
+pub(super) fn number(document: &Document, kind: &str, id: Option<&NodeId>, input: &str) -> f32 {
+    let known = |value: &Value| if let Value::Float(x) = value { Some(*x) } else { None };
+    let node = id.and_then(|id| document.node(id.as_str()));
+    let set = node.and_then(|node| match node.inputs.get(input) {
+        Some(Setting::Known(value)) => known(value),
+        _ => None,
+    });
+    set.or_else(|| known(&default(kind, input)?)).unwrap_or_default()
+}
+
 /// The edits that put a node beside another one, wired to a scalp.
 pub(super) fn put(
     id: &NodeId,

@@ -96,8 +96,14 @@ pub(in super::super) fn cursor(
         overlay::brush(painter, scene, pen, radius, GROW);
     }
     if has_brush(tool) && (tool.is_some() || coming == Coming::Style) {
-        painter.circle_stroke(pen, brush(scene), Stroke::new(3.0, EDGE));
-        painter.circle_stroke(pen, brush(scene), Stroke::new(1.5, STYLE));
+        let ring = |radius: f32, colour: Color32| {
+            painter.circle_stroke(pen, radius, Stroke::new(3.0, EDGE));
+            painter.circle_stroke(pen, radius, Stroke::new(1.5, colour));
+        };
+        ring(brush(scene), STYLE);
+        if let Some(half) = half(tool) {
+            ring(half * brush(scene), STYLE.gamma_multiply(overlay::HALF));
+        }
     }
     mark(painter, pen, coming, level);
 }
@@ -116,6 +122,16 @@ pub(super) fn brush(scene: &Scene) -> f32 {
 pub(in super::super) fn has_brush(tool: Option<Tool>) -> bool {
     use Tool::{Comb, Grab, Pin, Puff, Scatter, Smooth, Straighten};
     matches!(tool, None | Some(Comb | Smooth | Puff | Grab | Straighten | Scatter | Pin))
+}
+
+/// Where a brush is half as strong as in its middle, in its radius; none where it is as strong up to its edge.
+fn half(tool: Option<Tool>) -> Option<f32> {
+    match tool {
+        // A comb has a core in which hair goes all the way with it.
+        None | Some(Tool::Comb) => Some(0.625),
+        Some(Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten) => Some(0.5),
+        _ => None,
+    }
 }
 
 /// What a touch would do, as far as can be told before it.

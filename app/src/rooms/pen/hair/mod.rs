@@ -18,7 +18,7 @@ pub(super) use look::{cursor, has_brush, under};
 
 use super::Scene;
 use super::sample::{PenSample as Report, Tool as End};
-use super::target::Fills;
+use super::target::{Fills, number as number_of};
 use super::touch::{Begun, Touch};
 use crate::core::projection::Projection;
 use crate::core::state::State;
@@ -88,7 +88,7 @@ impl Spot {
 
 /// A number of the sketch that is there or would be made.
 fn number(scene: &Scene, input: &str) -> f32 {
-    target::number(&scene.state.document, scene.node.as_ref(), input)
+    number_of(&scene.state.document, target::KIND, scene.node.as_ref(), input)
 }
 
 /// Whether a device has no pressure of its own.

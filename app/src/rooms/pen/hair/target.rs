@@ -10,9 +10,9 @@ use crate::core::state::State;
 use crate::feeders::feeders;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph::upstream;
-use coif_graphs::document::{Document, NodeId, Setting, Socket};
+use coif_graphs::document::{Document, NodeId, Socket};
 use coif_nodes::data::curves::Curves;
-use coif_nodes::define::{Type, Value};
+use coif_nodes::define::Type;
 use std::collections::BTreeSet;
 
 /// The kind of node that holds gestures.
@@ -96,17 +96,6 @@ pub(super) fn curves(state: &State, node: Option<&NodeId>) -> Option<Curves> {
     let shown = state.shown.as_ref()?;
     let sockets = node.map_or_else(|| sources(state), |node| vec![output(node)]);
     sockets.iter().find_map(|socket| shown.curves_of(socket)).cloned()
-}
-
-/// A number that a node is set to; its default where it is set to none.
-pub(crate) fn number(document: &Document, id: Option<&NodeId>, input: &str) -> f32 {
-    let known = |value: &Value| if let Value::Float(x) = value { Some(*x) } else { None };
-    let node = id.and_then(|id| document.node(id.as_str()));
-    let set = node.and_then(|node| match node.inputs.get(input) {
-        Some(Setting::Known(value)) => known(value),
-        _ => None,
-    });
-    set.or_else(|| known(&target::default(KIND, input)?)).unwrap_or_default()
 }
 
 /// The edits that make a node for gestures behind an output, and its id. None where there is no head.

@@ -6,7 +6,7 @@
 
 use super::super::Scene;
 use super::super::sample::{PenSample as Report, Phase, Tool as End};
-use super::super::target::gestures;
+use super::super::target::{gestures, number};
 use super::super::touch::{DrawnItem, Outcome, TouchStep, Wanted, Work};
 use super::{free, is_mouse, look, target};
 use crate::core::state::State;
@@ -321,7 +321,7 @@ impl Work for HairTouch {
 }
 
 fn rho(node: &NodeId, scene: &Scene) -> f32 {
-    target::number(&scene.state.document, Some(node), "rho")
+    number(&scene.state.document, target::KIND, Some(node), "rho")
 }
 
 /// What is said of an implant where the graph grows no hair.

@@ -13,7 +13,7 @@ pub(super) mod target;
 use super::drawing::{on_scalp, skin};
 use super::overlay::line;
 use super::sample::{PenSample as Report, Phase, Tool as End};
-use super::target::Fills;
+use super::target::{Fills, number};
 use super::touch::{Begun, DrawnItem, Outcome, Touch, TouchStep, Wanted, Work};
 use super::{Pen, Scene};
 use crate::core::pen::PenSettings;
@@ -133,6 +133,12 @@ impl Work for Painting {
             line(painter, places.collect(), egui::Stroke::new(1.5, theme::ACCENT));
         }
     }
+}
+
+/// Where a dab is half as strong as in its middle, in its radius: it fades over the part of it that the node says.
+pub(super) fn half(scene: &Scene) -> f32 {
+    let node = scene.node.as_ref();
+    1.0 - 0.5 * number(&scene.state.document, Fills::Mask.kind(), node, "softness")
 }
 
 /// What lies under a touch: heat on the head.
