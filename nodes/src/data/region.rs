@@ -61,8 +61,8 @@ const SPACING: f32 = 0.2;
 /// ... but no more of them than this on the whole mesh, where it is large, or in one triangle.
 const MOST: f32 = 1e6;
 const MOST_BESIDE: f32 = 64.0;
-/// Triangles that are looked at together.
-const BATCH: usize = 4096;
+/// Places that are looked at together.
+const BATCH: usize = 65_536;
 
 impl ChosenRegion {
     /// The region of `on` inside `drawn` and where `field` says. `check` is asked between batches.
@@ -97,18 +97,26 @@ impl ChosenRegion {
         let whole: f32 = (0..count).filter(is_known).map(|t| areas[t]).sum();
         let spacing = (SPACING * on.frame().unit()).max((whole / MOST).sqrt());
         let mut area = 0.0f64;
+        let looks = |t: usize| {
+            let beside = (2.0 * areas[t]).sqrt() / spacing;
+            beside.ceil().clamp(1.0, MOST_BESIDE) as u32
+        };
         let triangles: Vec<usize> = (0..count).filter(is_known).collect();
-        for batch in triangles.chunks(BATCH) {
+        let (mut rest, mut places) = (triangles.as_slice(), vec![]);
+        while !rest.is_empty() {
             check()?;
-            let mut places: Vec<(u32, Vec2)> = vec![];
-            let looks = |t: usize| {
-                let beside = (2.0 * areas[t]).sqrt() / spacing;
-                beside.ceil().clamp(1.0, MOST_BESIDE) as u32
-            };
-            for t in batch {
-                places.extend([Vec2::ZERO, Vec2::X, Vec2::Y].map(|bary| (*t as u32, bary)));
-                for_middles(looks(*t), |bary| places.push((*t as u32, bary)));
-            }
+            places.clear();
+            let fit = rest.iter().take_while(|t| {
+                let is_room = places.len() < BATCH;
+                if is_room {
+                    let t = **t as u32;
+                    places.extend([Vec2::ZERO, Vec2::X, Vec2::Y].map(|bary| (t, bary)));
+                    for_middles(looks(t as usize), |bary| places.push((t, bary)));
+                }
+                is_room
+            });
+            let batch;
+            (batch, rest) = rest.split_at(fit.count());
             let values = chosen.read(&places)?;
             let mut values = values.as_slice();
             for t in batch {
@@ -123,8 +131,8 @@ impl ChosenRegion {
                 area += f64::from(areas[*t]) * sum / f64::from(n * n);
             }
         }
-        if let (Some(drawn), true) = (&chosen.drawn, field.constant().is_some()) {
-            // What is drawn alone knows where its lines pass between the places looked at.
+        if let Some(drawn) = &chosen.drawn {
+            // Lines pass between the places looked at, too.
             for (t, exact) in (0..).zip(&mut chosen.exact) {
                 *exact |= drawn.highest(t).is_some();
             }
