@@ -2,7 +2,7 @@
 //! hair, or what it follows, in the colours of a view.
 
 pub(crate) mod heat;
-pub(crate) mod lights;
+pub mod lights;
 pub(crate) mod looks;
 
 use coif_nodes::data::attributes::{Domain, ID, WIDTH};
