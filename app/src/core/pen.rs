@@ -28,6 +28,8 @@ pub struct PenSettings {
     pub along: Along,
     /// Radius of the brushes that work on hair, cm at the head.
     pub hair_brush: f32,
+    /// How far around a moved point of hair its neighbours follow, cm at the head; 0: it moves alone.
+    pub hair_soft: f32,
     /// Colour of clusters that are implanted, sRGB; none: that of the hair downstream.
     pub hair_colour: Option<[u8; 3]>,
     /// Whether the level of a touch on hair is told by the mean pressure of its first 2 pixels, as in the paper, instead of the
@@ -52,6 +54,7 @@ impl Default for PenSettings {
             symmetry: false,
             along: Along::Scalp,
             hair_brush: 3.0,
+            hair_soft: 0.0,
             hair_colour: None,
             level_by_mean: false,
             words: false,
@@ -181,6 +184,10 @@ impl PenSettings {
     /// The radius of brushes on hair, cm.
     pub fn hair_brush(&self) -> f32 {
         if self.hair_brush.is_finite() { self.hair_brush.clamp(0.1, 50.0) } else { 3.0 }
+    }
+    /// How far around a moved point of hair its neighbours follow, within what makes sense, cm.
+    pub fn hair_soft(&self) -> f32 {
+        if self.hair_soft.is_finite() { self.hair_soft.clamp(0.0, 50.0) } else { 0.0 }
     }
     /// The colour of implants, linear.
     pub fn hair_colour(&self) -> Option<glam::Vec3> {

@@ -70,7 +70,7 @@ pub enum Tool {
     Grab,
     /// Straightens curves between root and tip.
     Straighten,
-    /// Moves one CV.
+    /// Moves one CV, and with a size those around it.
     Point,
     /// Redraws a curve from a point on it to its tip.
     Redraw,
@@ -168,7 +168,7 @@ pub struct Gesture {
     pub path: Vec<Vec3>,
     /// Colour of an implant, linear Rec.709. `None`: the default colour.
     pub colour: Option<Vec3>,
-    /// Radius of a brush or comb, pixels; 0: the node's own, for a scatter, the stroke only.
+    /// Radius of a brush or comb, pixels; 0: the node's own, for a scatter, the stroke only, for a point, that CV alone.
     pub size: f32,
     /// Strength of a brush, relative to its default; of a comb, how far hair goes along with the pen: 1 all the way.
     pub strength: f32,

@@ -287,6 +287,13 @@ fn a_point_goes_where_the_pen_puts_it_and_takes_none_along() {
     let by = 50.0 * seen.cm_per_pixel(seen.depth(was[4]));
     assert!((cvs[4] - was[4]).distance(Vec3::X * by) < 1e-3, "{} {}", cvs[4], was[4]);
     assert!((0..was.len()).all(|k| k == 4 || cvs[k] == was[k]));
+    // With a size its neighbours follow, the less the farther they are; roots and what is farther stay.
+    let soft = Gesture { size: 1.5 * at.distance(seen.pixel(was[3]).unwrap()), ..pull.clone() };
+    let (after, _) = sketch(None, &[one_lock(), soft]);
+    let ways = (0..was.len()).map(|k| only(&after)[k].distance(was[k]));
+    let ways: Vec<f32> = ways.collect();
+    assert!((ways[4] - by).abs() < 1e-3 && ways[3] > 0.05 * by && ways[3] < 0.6 * by, "{ways:?}");
+    assert!(ways[5] > 0.05 * by && ways[0] == 0.0 && ways[1] == 0.0, "{ways:?}");
     let still = drawn(Tool::Point, Layer::Nearest, &[at, at + Vec2::new(0.125, 0.0)]);
     let (same, said) = sketch(None, &[one_lock(), still]);
     assert!(only(&same) == was && said[0].contains("drag the point on"), "{said:?}");

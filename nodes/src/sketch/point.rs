@@ -1,9 +1,11 @@
-//! Point: moves one CV with the pen, and no other; beyond the paper, for finishing touches.
+//! Point: moves one CV with the pen, and with a size those of the same curve around it, the less the farther they are; beyond the
+//! paper, for finishing touches.
 //!
-//! Guarantees: roots, pins and everything before a pin stay; the CV moves in the picture as far as the pen went. It keeps its
+//! Guarantees: roots, pins and everything before a pin stay; the CV moves in the picture as far as the pen went. What moves keeps its
 //! depth, but where the skin is in the way it comes out of it towards the eye. Lengths are not kept: the CV is where the pen put
 //! it.
 
+use super::brush::falloff;
 use super::hand::{GestureContext, SketchState};
 use super::relax::CLEARANCE;
 
@@ -34,15 +36,29 @@ pub(super) fn point(hand: &GestureContext, sketch: &mut SketchState) {
             sketch.say("a pin holds this point: tap the pin to free it");
             continue;
         }
-        let p = lock.points[k];
-        let Some(at) = hand.seen.pixel(p) else { continue };
-        let (to, height) = (at + way, hand.skin.distance(p).min(CLEARANCE));
-        let depth = match hand.seen.sees(hand.scalp, p) {
-            true => hand.before_head(to, hand.seen.depth(p), height),
-            false => hand.out_of_skin(to, hand.seen.depth(p), height),
-        };
-        lock.points[k] = hand.seen.at(to, depth);
-        if lock.points[k] != p {
+        let Some(middle) = hand.seen.pixel(lock.points[k]) else { continue };
+        let size = hand.gesture.size;
+        let mut moved = false;
+        for n in held + 1..lock.points.len() {
+            let p = lock.points[n];
+            let Some(at) = hand.seen.pixel(p) else { continue };
+            let share = match n == k {
+                true => 1.0,
+                false if size > 0.0 => falloff(at.distance(middle), size),
+                false => 0.0,
+            };
+            if share <= 0.0 {
+                continue;
+            }
+            let (to, height) = (at + way * share, hand.skin.distance(p).min(CLEARANCE));
+            let depth = match hand.seen.sees(hand.scalp, p) {
+                true => hand.before_head(to, hand.seen.depth(p), height),
+                false => hand.out_of_skin(to, hand.seen.depth(p), height),
+            };
+            lock.points[n] = hand.seen.at(to, depth);
+            moved |= lock.points[n] != p;
+        }
+        if moved {
             sketch.locks[i] = lock.done();
         }
     }

@@ -184,12 +184,17 @@ impl Pen {
         }
         let brush = matches!(tool, Some(Tool::Smooth | Tool::Puff | Tool::Grab | Tool::Straighten));
         let drag = |value, range, prefix: &str, unit: &str| {
-            let drag = egui::DragValue::new(value).range(range).speed(0.02);
+            let drag = egui::DragValue::new(value).range(range).speed(0.02).max_decimals(2);
             drag.prefix(prefix.to_owned()).suffix(unit.to_owned())
         };
         if super::hair::has_brush(tool) {
             let drag = drag(&mut settings.hair_brush, 0.1..=50.0, "Size ", " cm");
             ui.add(drag).on_hover_text("Radius of the brush on the head.");
+        }
+        if tool == Some(Tool::Point) {
+            let drag = drag(&mut settings.hair_soft, 0.0..=50.0, "Soft ", " cm");
+            ui.add(drag)
+                .on_hover_text("Radius within which points of the same curve follow. 0: none do.");
         }
         if brush && tool != Some(Tool::Grab) || matches!(tool, None | Some(Tool::Comb)) {
             let drag = drag(&mut settings.strength, 0.01..=1.0, "Strength ", "");

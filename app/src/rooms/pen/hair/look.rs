@@ -90,6 +90,7 @@ pub(in super::super) fn cursor(
     }
     if tool == Some(Tool::Point) {
         points(painter, scene, &curves, pen, spot.rho);
+        painter.circle_stroke(pen, soft(scene), Stroke::new(1.0, STYLE));
     }
     if coming == Coming::Implant {
         let radius = number(scene, "radius") * scene.scalp.frame().unit();
@@ -114,8 +115,17 @@ fn curves(scene: &Scene) -> Curves {
 
 /// Radius of the brush in the picture, points.
 pub(super) fn brush(scene: &Scene) -> f32 {
+    at_the_head(scene, scene.state.settings.pen.hair_brush())
+}
+
+/// How far around a moved point its neighbours follow in the picture, points.
+pub(super) fn soft(scene: &Scene) -> f32 {
+    at_the_head(scene, scene.state.settings.pen.hair_soft())
+}
+
+fn at_the_head(scene: &Scene, cm: f32) -> f32 {
     let depth = scene.view.depth(scene.scalp.frame().origin);
-    scene.state.settings.pen.hair_brush() / scene.view.cm_per_point(depth).max(1e-6)
+    cm / scene.view.cm_per_point(depth).max(1e-6)
 }
 
 /// Whether a tool works with a brush of some size, or may.

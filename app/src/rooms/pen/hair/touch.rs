@@ -172,7 +172,11 @@ impl HairTouch {
             colour: settings
                 .hair_colour()
                 .filter(|_| matches!(tool, Tool::Implant | Tool::Silhouette)),
-            size: if sized { look::brush(scene).clamp(2.0, 1000.0) } else { 0.0 },
+            size: match tool {
+                Tool::Point => look::soft(scene).clamp(0.0, 1000.0),
+                _ if sized => look::brush(scene).clamp(2.0, 1000.0),
+                _ => 0.0,
+            },
             strength: match tool {
                 // From half strength on, hair goes as far as the pen.
                 Tool::Comb => (2.0 * settings.strength()).min(1.0),
