@@ -12,9 +12,14 @@ pub fn between(before: &Document, after: &Document) -> Edit {
     let both = |a: &BTreeSet<Socket>, b: &BTreeSet<Socket>| a.union(b).cloned().collect::<Vec<_>>();
     let keys = |document: &Document| document.links.keys().cloned().collect::<BTreeSet<Socket>>();
     let wired = both(&keys(before), &keys(after));
+    // A node that comes or goes takes its wires along, also those of a broken file, which both may have.
+    let stays = |id: &NodeId| before.nodes.contains_key(id) == after.nodes.contains_key(id);
     let differs = |to: &&Socket| {
+        let mut sources = before.links.get(*to).into_iter().flatten();
         before.links.get(*to) != after.links.get(*to)
             || before.bends.get(*to) != after.bends.get(*to)
+            || !stays(&to.node)
+            || sources.any(|from| !stays(&from.node))
     };
     let changed: Vec<&Socket> = wired.iter().filter(differs).collect();
     // Wires first off and last on: what comes and goes between takes none with it.

@@ -200,13 +200,14 @@ fn a_node_put_behind_an_output_takes_all_that_it_fed() {
 }
 
 #[test]
-fn without_hair_a_head_and_its_masks_stay() {
+fn without_hair_a_head_and_its_masks_stay_and_regions_go() {
     let text = r#"(format: 1, title: "x", display: "fill", nodes: {
         "bust": (kind: "head"), "mask": (kind: "paint_mask"), "lines": (kind: "stroke_input"),
         "cut": (kind: "partings"), "fill": (kind: "interpolate"), "out": (kind: "groom_output"),
+        "beard": (kind: "region"), "stubble": (kind: "scatter_guides"),
     }, links: {
         "mask.scalp": "bust.scalp", "lines.scalp": "bust.scalp", "cut.scalp": "bust.scalp",
-        "cut.lines": "lines.curves", "fill.scalp": "cut.scalp", "fill.mask": "mask.mask",
+        "beard.scalp": "bust.scalp", "stubble.scalp": "beard.scalp", "cut.lines": "lines.curves", "fill.scalp": "cut.scalp", "fill.mask": "mask.mask",
         "fill.guides": "lines.curves", "out.curves": "fill.curves",
     })"#;
     let document = crate::file::read(text).unwrap().document;
@@ -348,7 +349,7 @@ fn a_dropped_wire_finds_the_kinds_that_it_fits_and_they_can_be_wired() {
         let kinds = kinds_giving(&document, &socket(to));
         kinds.iter().map(|(def, out)| format!("{}.{}", def.id, out.name)).collect::<Vec<_>>()
     };
-    assert_eq!(names("rows.scalp"), ["head.scalp", "partings.scalp"]);
+    assert_eq!(names("rows.scalp"), ["head.scalp", "region.scalp", "partings.scalp"]);
     assert!(names("hair.curves").contains(&"lissajous_braid.curves".to_owned()));
     assert_eq!(kinds_taking(&document, &socket("new.out")).len(), 0);
 }
