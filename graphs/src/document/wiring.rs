@@ -320,7 +320,7 @@ pub fn has_hair(document: &Document) -> bool {
 }
 
 /// A groom without its hair: heads and masks stay, with all that is said of the groom; what gives curves, hangs from them or writes
-/// them goes.
+/// them goes, with the regions that only it grew in.
 pub fn without_hair(document: &Document) -> Document {
     let of_curves = |id: &&NodeId| {
         let def = document.def(id);
@@ -330,6 +330,15 @@ pub fn without_hair(document: &Document) -> Document {
     let hair: Vec<&NodeId> = document.nodes.keys().filter(of_curves).collect();
     let mut gone = graph::downstream(document, hair.iter().copied());
     gone.extend(hair.into_iter().cloned());
+    // A region that nothing else reads was that of the hair.
+    let is_region = |id: &&NodeId| document.def(id).is_some_and(|def| def.id == REGION);
+    for id in document.nodes.keys().filter(is_region) {
+        let reads = |wires: &Vec<Socket>| wires.iter().any(|wire| wire.node == *id);
+        let mut links = document.links.iter();
+        if links.all(|(to, wires)| gone.contains(&to.node) || !reads(wires)) {
+            gone.insert(id.clone());
+        }
+    }
     let gone = groups::with_inside(document, &gone);
     let mut bare = document.clone();
     bare.nodes.retain(|id, _| !gone.contains(id));
@@ -343,8 +352,9 @@ pub fn without_hair(document: &Document) -> Document {
     bare
 }
 
-/// The kind of node that writes hair.
+/// The kind of node that writes hair, and that of one that says where on a head it grows.
 const OUTPUT: &str = "groom_output";
+const REGION: &str = "region";
 
 /// Makes another kind of a node. Values keep their inputs where the new kind has one of that name
 /// that takes them; wires keep theirs by name, else go to the first free input, or come from the first

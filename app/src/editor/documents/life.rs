@@ -247,7 +247,7 @@ impl Editor {
     /// A question for a file, with a folder to begin in and a name.
     fn question(&self, purpose: Purpose) -> Question {
         let file = &self.state.file;
-        let last = self.documents.last_folder.clone();
+        let last = self.documents.last_folders[usize::from(purpose.saves())].clone();
         let recent = self.documents.recent.files().first().and_then(|path| path.parent());
         let folder = match &file.path {
             // Heads lie where heads lie; all else begins beside the groom.
@@ -296,7 +296,8 @@ impl Editor {
             self.documents.after_save = None;
             return;
         };
-        self.documents.last_folder = path.parent().map(Path::to_owned);
+        let folder = path.parent().map(Path::to_owned);
+        self.documents.last_folders[usize::from(purpose.saves())] = folder;
         match (purpose, input) {
             (Purpose::Open, _) => self.apply_to_file(DocumentEvent::Open(path)),
             (Purpose::Compare, _) => self.compare_with(&path),
@@ -336,6 +337,7 @@ impl Editor {
             return self.state.apply(Event::Say(Note::error("there are no threads to export on")));
         };
         let evaluator = evaluation.evaluator();
+        self.documents.last_folders[1] = path.parent().map(Path::to_owned);
         let file = self.state.file.clone();
         let mut document = self.state.document.clone();
         if let Content::Picture(_) = content {

@@ -96,8 +96,8 @@ pub struct Documents {
     /// The system has no dialogs.
     no_dialogs: bool,
     asking: Option<Asking>,
-    /// Where a file was chosen last.
-    last_folder: Option<PathBuf>,
+    /// Where a file was chosen last, to be read and to be written: heads lie where nobody writes hair.
+    last_folders: [Option<PathBuf>; 2],
     browser: Option<Browser>,
     /// Waits for an answer about unsaved changes.
     unsaved: Option<Next>,
@@ -147,7 +147,7 @@ impl Documents {
             dialogs: None,
             no_dialogs: false,
             asking: None,
-            last_folder: None,
+            last_folders: [None, None],
             browser: None,
             unsaved: None,
             after_save: None,

@@ -31,8 +31,9 @@ pub(crate) struct PicturePanel {
     pub(super) samples: u32,
     /// In the words of `coif render --camera`.
     pub(super) camera: String,
-    /// Degrees that the light is turned by.
+    /// Degrees that the light is turned by, here and in the viewport: what is turned there is turned here.
     light: f32,
+    shown_light: f32,
     transparent: bool,
     floor: bool,
     turntable: bool,
@@ -49,6 +50,7 @@ impl Default for PicturePanel {
             samples: 64,
             camera: PRESENT.to_owned(),
             light: 0.0,
+            shown_light: 0.0,
             transparent: false,
             floor: true,
             turntable: false,
@@ -122,7 +124,7 @@ impl Editor {
             panel.file.offer(&with_number(&path, panel.turntable));
         }
         panel.file.forget();
-        (panel.is_open, panel.light) = (true, light);
+        (panel.is_open, panel.light, panel.shown_light) = (true, light, light);
     }
 
     /// The panel, where it is open.
@@ -131,6 +133,10 @@ impl Editor {
         if !asked.is_open {
             self.documents.picture_panel = asked;
             return;
+        }
+        let shown_light = self.viewport.options.turn;
+        if asked.shown_light != shown_light {
+            (asked.light, asked.shown_light) = (shown_light, shown_light);
         }
         let (mut open, mut close, mut browse, mut save, mut cancel) =
             (true, false, false, None, None);

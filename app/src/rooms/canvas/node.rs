@@ -139,6 +139,7 @@ pub(super) fn describe(
         let trouble = match &face.trouble {
             Some(Trouble::Error(why)) => format!(", error: {why}"),
             Some(Trouble::Upstream(of)) => format!(", upstream: {of}"),
+            Some(Trouble::Warning(said)) if said.len() == 1 => ", 1 warning".to_owned(),
             Some(Trouble::Warning(said)) => format!(", {} warnings", said.len()),
             None => String::new(),
         };

@@ -720,12 +720,19 @@ pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Ev
     out.extend(recipe.is_drawn().then_some(Event::TakeUpPen(made.node)));
 }
 
+/// The kind of node that fills a head between strokes.
+const FLOW: &str = "flow";
+
 impl Pen {
-    /// Takes up the tool for a node that is to be drawn into.
+    /// Takes up the tool for a node that is to be drawn into. Where hair fills the head from a few strokes, each stroke plants one: the
+    /// tool that guesses would comb with strokes that begin on what is filled already.
     pub(crate) fn take_up(&mut self, state: &State, node: &NodeId) {
-        let kind = state.document.node(node.as_str()).map_or("", |node| node.kind.as_str());
-        self.tool = match kind == super::hair::target::KIND {
-            true => PenTool::Hair(None),
+        let kind = |id: &NodeId| state.document.node(id.as_str()).map_or("", |node| &node.kind);
+        let mut links = state.document.links.iter();
+        let flows = links
+            .any(|(to, wires)| kind(&to.node) == FLOW && wires.iter().any(|w| w.node == *node));
+        self.tool = match kind(node) == super::hair::target::KIND {
+            true => PenTool::Hair(flows.then_some(Tool::Implant)),
             false => PenTool::Draw,
         };
     }

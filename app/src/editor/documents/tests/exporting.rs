@@ -202,11 +202,14 @@ fn the_pictures_of_the_panel_are_those_of_the_command_line() {
     let folder = Folder::new("life-picture");
     let (mut ui, fake) = on_empty_head();
     few_guides(&mut ui);
-    ui.state_mut().viewport.options.turn_light(30.0);
+    ui.state_mut().viewport.options.turn_light(10.0);
+    ui.run_steps(2);
+    act(&mut ui, "file.picture");
+    // The panel follows the light that is turned beside it.
+    ui.state_mut().viewport.options.turn_light(20.0);
     ui.run_steps(2);
     let saved = folder.path("guides.ron");
     does(&mut ui, DocumentEvent::SaveTo(saved.clone()));
-    act(&mut ui, "file.picture");
     let panel = &mut ui.state_mut().documents.picture_panel;
     (panel.size, panel.samples, panel.frames) = ([64, 48], 1, 2);
     "front".clone_into(&mut panel.camera);

@@ -413,6 +413,9 @@ fn mohawk() -> (Document, f64) {
 /// The recipe that hair flows by, with few hairs.
 fn flowing(colour: [u8; 3]) -> Hand {
     let mut hand = Hand::begin_with("recipe.flow_hair", colour);
+    // A stroke that begins on hair plants one, too.
+    let implant = super::super::super::PenTool::Hair(Some(Tool::Implant));
+    assert_eq!(hand.table.editor().pen.tool, implant);
     hand.set("hair", "count", Value::Int(9000));
     hand
 }
