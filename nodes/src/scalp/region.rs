@@ -75,7 +75,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { scalp: Arc::new(scalp.with_region(chosen)) })
 }
 
-/// What the outlines enclose.
+/// The region inside the outlines.
 fn inside(cx: &EvalCx, inputs: &Inputs) -> Result<crate::data::drawn::DrawnRegion, NodeError> {
     let scalp = &inputs.scalp;
     let (surface, frame) = (scalp.surface(), scalp.frame());

@@ -294,7 +294,7 @@ impl RenderArgs {
             }
             (light, None) => {
                 if self.hdri_blur.is_some() {
-                    let text = "--hdri-blur blurs the sphere of --hdri, and there is none";
+                    let text = "--hdri-blur needs --hdri: it blurs the picture behind the head";
                     return Err(Stop::refused(text));
                 }
                 let known = |name: &str| Rig::NAMES.into_iter().find(|known| *known == name);

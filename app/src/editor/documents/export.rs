@@ -133,7 +133,7 @@ impl Shared {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes what is told of the export that runs.
+    /// Updates the progress of the running export.
     fn tell(&self, change: impl FnOnce(&mut String, &mut (usize, usize))) {
         if let Some((row, _)) = &mut self.desk().running
             && let ExportState::Runs(doing, done) = &mut row.state
@@ -233,7 +233,7 @@ impl Exports {
 }
 
 impl Shared {
-    /// The next that is to be written; the thread ends where there is none.
+    /// The next export in the queue; without one, the thread ends.
     fn next(&self) -> Option<(ExportJob, CancelToken)> {
         let mut desk = self.desk();
         let Some((number, job)) = desk.waiting.pop_front() else {

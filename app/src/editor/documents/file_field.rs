@@ -30,7 +30,7 @@ impl FileField {
         }
     }
 
-    /// The file; none where nothing is typed.
+    /// The typed path; `None` if the field is empty.
     pub(super) fn path(&self) -> Option<PathBuf> {
         let typed = self.typed.trim();
         let path = (!typed.is_empty()).then(|| PathBuf::from(typed))?;

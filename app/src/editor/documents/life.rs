@@ -262,7 +262,7 @@ impl Editor {
         Question { purpose, folder, name: format!("{stem}.{ending}") }
     }
 
-    /// The file that is offered to be written; none where nobody is asked for files.
+    /// The suggested path of a new file; `None` without file dialogs.
     pub(super) fn offered_file(&self, purpose: Purpose) -> Option<PathBuf> {
         if self.documents.dialogs.is_none() && !self.documents.no_dialogs {
             return None;

@@ -147,7 +147,7 @@ impl RenderRequest {
         self.files.iter().map(named)
     }
 
-    /// What lights a picture of a series in which the light has gone round by so many degrees.
+    /// The lights for one frame of a light turntable, rotated by this many degrees.
     pub(crate) fn rig(&self, degrees: f32) -> Rig {
         let mut rig = Lights { turn: self.lights.turn + degrees, ..self.lights.clone() }.rig();
         rig.exposure += self.exposure;

@@ -36,7 +36,7 @@ impl FromStr for HeatOverlay {
 }
 
 impl HeatOverlay {
-    /// The output that has to be evaluated for it; none where the head alone tells.
+    /// The output to evaluate for it; `None` if the head is enough.
     pub(super) fn socket(&self, document: &Document) -> Result<Option<Socket>, Stop> {
         let (name, ty) = match self {
             Self::Region(None) => return Ok(None),
