@@ -1,4 +1,4 @@
-//! Landmarks: eight named points on a head, used to fit a groom from one head to another.
+//! Landmarks: named points on a head, used to fit a groom from one head to another. Eight lie around the cranium, three in the face.
 //!
 //! Positions are in head units in the head frame (x to the head's left, y up, z forward), like strokes. As text they
 //! are written like region names: `crown 0 9.9 -4.1; chin 0 -9 6.5`. Any landmark may be missing; unknown ones are
@@ -27,11 +27,17 @@ pub enum Landmark {
     Crown,
     /// The point of the chin.
     Chin,
+    /// The deepest point of the bridge of the nose, between the eyes.
+    Bridge,
+    /// The tip of the nose.
+    Nose,
+    /// The middle of the mouth, where the lips meet.
+    Mouth,
 }
 
 impl Landmark {
     /// All of them, in writing order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::Front,
         Self::Nape,
         Self::LeftTemple,
@@ -40,6 +46,9 @@ impl Landmark {
         Self::RightEar,
         Self::Crown,
         Self::Chin,
+        Self::Bridge,
+        Self::Nose,
+        Self::Mouth,
     ];
 
     /// Its name as it is typed.
@@ -53,7 +62,15 @@ impl Landmark {
             Self::RightEar => "right ear",
             Self::Crown => "crown",
             Self::Chin => "chin",
+            Self::Bridge => "bridge",
+            Self::Nose => "nose",
+            Self::Mouth => "mouth",
         }
+    }
+
+    /// Whether it lies in the face. Grooms of earlier versions do not know these.
+    pub fn is_in_face(self) -> bool {
+        matches!(self, Self::Bridge | Self::Nose | Self::Mouth)
     }
 
     /// All names, for messages.
@@ -67,7 +84,7 @@ const SAME: f32 = 0.001;
 
 /// The known landmarks of a head, in head units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Landmarks([Option<Vec3>; 8]);
+pub struct Landmarks([Option<Vec3>; Landmark::ALL.len()]);
 
 impl Landmarks {
     /// Parses landmarks as users type them; also returns a line for each entry that is invalid.
@@ -105,7 +122,12 @@ impl Landmarks {
     }
     /// Names of the unknown landmarks, for messages; `None` if all are known.
     pub fn missing(&self) -> Option<String> {
-        let gone = Landmark::ALL.into_iter().filter(|mark| self.get(*mark).is_none());
+        self.missing_of(|_| true)
+    }
+    /// The same among those that are `asked` for.
+    pub fn missing_of(&self, asked: impl Fn(Landmark) -> bool) -> Option<String> {
+        let gone =
+            Landmark::ALL.into_iter().filter(|mark| asked(*mark) && self.get(*mark).is_none());
         let gone: Vec<&str> = gone.map(Landmark::name).collect();
         (!gone.is_empty()).then(|| gone.join(", "))
     }
@@ -155,14 +177,15 @@ mod tests {
     #[test]
     fn what_is_no_landmark_is_told_and_the_rest_is_read() {
         let (read, faults) =
-            Landmarks::parse("crown 0 9 -4; nose 0 0 9; Chin 0 -9 7\n; chin 1 1 1; nape 1 2; x");
+            Landmarks::parse("crown 0 9 -4; brow 0 0 9; Chin 0 -9 7\n; chin 1 1 1; nape 1 2; x");
         assert_eq!(read.to_string(), "crown 0 9 -4; chin 0 -9 7");
+        assert_eq!(read.missing_of(Landmark::is_in_face).unwrap(), "bridge, nose, mouth");
         assert_eq!(
             read.missing().unwrap(),
-            "front, nape, left temple, right temple, left ear, right ear"
+            "front, nape, left temple, right temple, left ear, right ear, bridge, nose, mouth"
         );
         assert!(
-            faults.len() == 4 && faults.iter().any(|fault| fault.contains("nose")),
+            faults.len() == 4 && faults.iter().any(|fault| fault.contains("brow")),
             "{faults:?}"
         );
     }

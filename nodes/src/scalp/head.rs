@@ -62,9 +62,9 @@ node! {
         /// Fade width at the edge of a default or drawn region. 0 is a sharp edge.
         edge: f32 = 0.5, hard(0.0, 10.0), soft(0.0, 2.0), unit(Length), words("soft fade falloff");
         /// Landmarks of this head that replace the detected ones: name and position in the head frame, such as `crown 0
-        /// 8.3 -3.9; chin 0 -10 7.3`. Names: front, nape, left temple, right temple, left ear, right ear, crown, chin.
-        /// The messages list all positions.
-        landmarks: Arc<str> = "", words("points fit markers correspondence hairline nape temple ear crown chin");
+        /// 8.3 -3.9; chin 0 -10 7.3`. Names: front, nape, left temple, right temple, left ear, right ear, crown, chin, bridge,
+        /// nose, mouth. The messages list all positions.
+        landmarks: Arc<str> = "", words("points fit markers correspondence hairline nape temple ear crown chin nose mouth");
         /// Landmarks of the head that the groom was made on, as its messages list them. Strokes, names, hairline, masks
         /// and positions are warped so that they meet the landmarks of this head. Leave empty on the original head.
         /// `coif fit` sets it.

@@ -45,6 +45,14 @@ const NOSE: f32 = -1.0;
 /// ... the neck is not above this one, and this far behind the tip of the nose.
 const NECK: f32 = -0.6;
 const RECESS: f32 = 0.6;
+/// The bridge of the nose is not above this level. From it the profile comes forward again by at least so much, over at least so much of
+/// its height: more than the bridge of a pair of glasses.
+const BRIDGE: f32 = 0.2;
+const BROW: (f32, f32) = (0.004, 0.06);
+/// The lips meet between these parts of the way down from the tip of the nose to the chin, in the notch that is the deepest between what
+/// lies at most so far above and below (radii), and at least so deep.
+const LIPS: (f32, f32) = (0.36, 0.66);
+const NOTCH: (f32, f32) = (0.09, 0.001);
 
 /// A given landmark farther from the skin than this was meant for another head, cm on a head of average size.
 const MISSES: f32 = 0.5;
@@ -96,7 +104,9 @@ pub(super) fn carry(cx: &EvalCx, home: &str, here: &Landmarks) -> Option<Carry> 
             "home: {gone} not found on this head, and the map goes without: say where in landmarks"
         ));
     }
-    if let Some(missing) = home.missing() {
+    // Grooms of earlier versions know no landmarks in the face.
+    let knows_face = home.each().any(|(mark, _)| mark.is_in_face());
+    if let Some(missing) = home.missing_of(|mark| knows_face || !mark.is_in_face()) {
         cx.warn(format!("home: {missing} not given, and the map goes without"));
     }
     let (carry, MapReport { met, left_out, missed }) = Carry::between(&home, here);
@@ -146,7 +156,13 @@ pub(super) fn guessed(
     found(Landmark::LeftEar, head.over_ear(ears, 1.0));
     found(Landmark::RightEar, head.over_ear(ears, -1.0));
     found(Landmark::Crown, head.skin(frame.up * up - frame.forward * back).map(|hit| hit.point));
-    found(Landmark::Chin, head.chin());
+    if let Some(profile) = head.profile() {
+        let chin = profile.chin();
+        found(Landmark::Chin, chin.map(|(_, at)| at));
+        found(Landmark::Bridge, profile.bridge());
+        found(Landmark::Nose, profile.nose());
+        found(Landmark::Mouth, chin.and_then(|(k, _)| profile.mouth(k)));
+    }
     out
 }
 
@@ -212,31 +228,109 @@ impl Head<'_> {
         Some(hit.point)
     }
 
-    /// The point of the chin: the part of the profile between nose tip and neck that reaches farthest down and forward;
-    /// `None` without a nose, or if no neck follows.
-    fn chin(&self) -> Option<Vec3> {
+    /// The skin in the midline at a height (radii), from in front.
+    fn front(&self, height: f32) -> Option<Hit> {
         let (frame, r) = (self.frame, self.frame.radius);
+        let from = frame.origin + (frame.up * height + frame.forward * 2.0) * r;
+        self.met(from, -frame.forward, 2.0 * r)
+    }
+
+    /// How far forward a point lies, radii.
+    fn forward(&self, p: Vec3) -> f32 {
+        (p - self.frame.origin).dot(self.frame.forward) / self.frame.radius
+    }
+
+    /// The face in the midline; `None` without a nose.
+    fn profile(&self) -> Option<Profile<'_>> {
         let (high, low, step) = PROFILE;
-        let count = ((high - low) / step) as u16;
-        let height = |k: u16| high - f32::from(k) * step;
-        // Distance of the skin forward at each height, in radii.
-        let profile: Vec<Option<Hit>> = (0..=count)
-            .map(|k| {
-                let from = frame.origin + (frame.up * height(k) + frame.forward * 2.0) * r;
-                self.met(from, -frame.forward, 2.0 * r)
-            })
+        let hits: Vec<_> = (0..=((high - low) / step) as usize)
+            .map(|k| self.front(high - k as f32 * step))
             .collect();
-        let forward = |hit: &Hit| (hit.point - frame.origin).dot(frame.forward) / r;
-        let numbered = || (0u16..).zip(&profile);
-        let faces = numbered().take_while(|(k, _)| height(*k) > NOSE);
-        let faces = faces.filter_map(|(k, hit)| Some((k, forward(hit.as_ref()?))));
+        let faces = hits.iter().enumerate().take_while(|(k, _)| Profile::height(*k) > NOSE);
+        let faces = faces.filter_map(|(k, hit)| Some((k, self.forward(hit.as_ref()?.point))));
         let (nose, tip) = faces.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let is_neck = |(k, hit): &(u16, &Option<Hit>)| {
-            height(*k) < NECK && hit.as_ref().is_none_or(|hit| forward(hit) < tip - RECESS)
+        Some(Profile { head: self, hits, nose, tip })
+    }
+}
+
+/// The face in the midline, from below the brows down to the neck.
+struct Profile<'a> {
+    head: &'a Head<'a>,
+    /// The skin at each height.
+    hits: Vec<Option<Hit>>,
+    /// Index of the tip of the nose, and how far forward that is, radii.
+    nose: usize,
+    tip: f32,
+}
+
+impl Profile<'_> {
+    /// The height of a point by its index, radii.
+    fn height(k: usize) -> f32 {
+        let (high, _, step) = PROFILE;
+        high - k as f32 * step
+    }
+
+    fn nose(&self) -> Option<Vec3> {
+        self.hits[self.nose].map(|hit| hit.point)
+    }
+
+    /// The point of the chin: the part between nose tip and neck that reaches farthest down and forward; `None` if no neck follows.
+    fn chin(&self) -> Option<(usize, Vec3)> {
+        let Self { head, hits, nose, tip } = self;
+        let is_neck = |(k, hit): &(usize, &Option<Hit>)| {
+            Self::height(*k) < NECK
+                && hit.as_ref().is_none_or(|hit| head.forward(hit.point) < tip - RECESS)
         };
-        let (neck, _) = numbered().find(is_neck)?;
-        let jaw = profile.get(usize::from(nose)..usize::from(neck))?.iter().flatten();
-        let out = |hit: &Hit| (hit.point - frame.origin).dot(frame.forward - frame.up);
-        jaw.max_by(|a, b| out(a).total_cmp(&out(b))).map(|hit| hit.point)
+        let (neck, _) = hits.iter().enumerate().find(is_neck)?;
+        let jaw = hits.get(*nose..neck)?.iter().enumerate();
+        let jaw = jaw.filter_map(|(k, hit)| Some((nose + k, hit.as_ref()?.point)));
+        let out = |p: Vec3| (p - head.frame.origin).dot(head.frame.forward - head.frame.up);
+        jaw.max_by(|(_, a), (_, b)| out(*a).total_cmp(&out(*b)))
+    }
+
+    /// The bridge of the nose: where the profile, going up from its tip, is farthest back before it comes forward to the brow.
+    fn bridge(&self) -> Option<Vec3> {
+        let (_, _, step) = PROFILE;
+        // The point farthest back, and the height up to which the profile stays about there.
+        let mut back: Option<(f32, Vec3, f32)> = None;
+        let mut height = Self::height(self.nose);
+        while height < BRIDGE {
+            if let Some(hit) = self.head.front(height) {
+                let at = self.head.forward(hit.point);
+                match &mut back {
+                    Some((least, p, up_to)) if at > *least + BROW.0 => {
+                        if height > *up_to + BROW.1 {
+                            return Some(*p);
+                        }
+                    }
+                    Some((least, _, up_to)) if at >= *least => *up_to = height,
+                    back => *back = Some((at, hit.point, height)),
+                }
+            }
+            height += step;
+        }
+        None
+    }
+
+    /// Where the lips meet, over a chin by its index.
+    fn mouth(&self, chin: usize) -> Option<Vec3> {
+        let (_, _, step) = PROFILE;
+        let (reach, least) = ((NOTCH.0 / step) as usize, NOTCH.1);
+        let far = |k: usize| {
+            let hit = self.hits.get(k)?.as_ref()?;
+            Some(self.head.forward(hit.point))
+        };
+        let most = |all: std::ops::RangeInclusive<usize>| all.filter_map(far).reduce(f32::max);
+        let down = |part: f32| self.nose + ((chin - self.nose) as f32 * part) as usize;
+        let notches = (down(LIPS.0)..=down(LIPS.1)).filter_map(|k| {
+            // As far forward as the lip that lies farther back.
+            let lips = most(k.saturating_sub(reach)..=k)?.min(most(k..=k + reach)?);
+            Some((k, lips, far(k).map_or(f32::MAX, |at| lips - at)))
+        });
+        let (k, lips, depth) = notches.reduce(|a, b| if b.2 > a.2 { b } else { a })?;
+        let frame = self.head.frame;
+        let between =
+            frame.origin + (frame.up * Self::height(k) + frame.forward * lips) * frame.radius;
+        (depth > least).then(|| self.head.surface.closest(between)).flatten().map(|hit| hit.point)
     }
 }
