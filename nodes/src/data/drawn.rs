@@ -17,6 +17,8 @@ use std::sync::Arc;
 pub(crate) struct DrawnRegion {
     /// Lines, and whether each is the edge of a hole; holes come after the line that contains them.
     lines: Vec<(Arc<Outline>, bool)>,
+    /// Whether the region is what the lines leave outside.
+    outside: bool,
     /// Width of the edge, cm.
     softness: f32,
     /// For each vertex, whether hair may grow there at all: 0 or 1.
@@ -30,16 +32,17 @@ pub(crate) struct DrawnRegion {
 }
 
 impl DrawnRegion {
-    /// The region inside `lines`, each with whether it is the edge of a hole.
+    /// The region inside `lines`, each with whether it is the edge of a hole, or all that is `outside`.
     pub(crate) fn new(
         net: &ConnectedSurface,
-        mut lines: Vec<(Arc<Outline>, bool)>,
+        (mut lines, outside): (Vec<(Arc<Outline>, bool)>, bool),
         softness: f32,
         may: Arc<[f32]>,
     ) -> Self {
         lines.sort_by_key(|(_, hole)| *hole);
         let surface = net.surface();
-        let mut drawn = Self { lines, softness, may, values: vec![], exact: vec![], area: 0.0 };
+        let (values, exact) = (vec![], vec![]);
+        let mut drawn = Self { lines, outside, softness, may, values, exact, area: 0.0 };
         drawn.values = (0..surface.points.len() as u32)
             .map(|v| {
                 let depth = |line: &Outline| {
@@ -82,10 +85,11 @@ impl DrawnRegion {
 
     /// Depth inside the region, from the depth inside each line.
     fn deepest(&self, depth: impl Fn(&Outline) -> f32) -> f32 {
-        self.lines.iter().fold(f32::MIN, |deepest, (line, hole)| match hole {
+        let inside = self.lines.iter().fold(f32::MIN, |deepest, (line, hole)| match hole {
             false => deepest.max(depth(line)),
             true => deepest.min(-depth(line)),
-        })
+        });
+        if self.outside { -inside } else { inside }
     }
 
     /// The value at a point of a triangle, 0 to 1.
@@ -120,6 +124,7 @@ impl DrawnRegion {
     /// Hash of the content.
     pub(crate) fn key(&self) -> Key {
         let key = KeyBuilder::new("drawn").float(self.softness).column(&self.values);
+        let key = key.int(u64::from(self.outside));
         let lines = self.lines.iter().fold(key, |key, (line, hole)| {
             line.pieces().iter().fold(key.int(u64::from(*hole)), |key, piece| {
                 key.int(u64::from(piece.triangle)).vec3(piece.ends[0]).vec3(piece.ends[1])

@@ -47,6 +47,8 @@ pub(crate) struct ChosenRegion {
     key: Key,
     drawn: Option<DrawnRegion>,
     field: Arc<Field>,
+    /// Whether hair grows only where it grows on that head anyway.
+    within: bool,
     /// The head that the field is read on, with its partings.
     on: Arc<Scalp>,
     /// Value at each vertex.
@@ -65,20 +67,22 @@ const MOST_BESIDE: f32 = 64.0;
 const BATCH: usize = 65_536;
 
 impl ChosenRegion {
-    /// The region of `on` inside `drawn` and where `field` says. `check` is asked between batches.
+    /// The region of `on` inside `drawn` and where `field` says, with `within` only where hair grows on it already. `check` is
+    /// asked between batches.
     ///
     /// # Errors
     /// If the field cannot be read on the skin, or `check` says to stop.
     pub(crate) fn new(
         on: &Arc<Scalp>,
         drawn: Option<DrawnRegion>,
-        field: &Arc<Field>,
+        (field, within): (&Arc<Field>, bool),
         check: &dyn Fn() -> Result<(), NodeError>,
     ) -> Result<Self, NodeError> {
         let surface = on.surface();
         let count = surface.triangles.len();
-        let head = if field.has_mask() { on.key() } else { on.whole() };
-        let mut key = field.add_to(KeyBuilder::new("chosen region").key(head));
+        let head = if field.has_mask() || within { on.key() } else { on.whole() };
+        let key = KeyBuilder::new("chosen region").key(head).int(u64::from(within));
+        let mut key = field.add_to(key);
         if let Some(drawn) = &drawn {
             key = key.key(drawn.key());
         }
@@ -86,6 +90,7 @@ impl ChosenRegion {
             key: key.finish(),
             drawn,
             field: field.clone(),
+            within,
             on: on.clone(),
             values: vec![0.0; surface.points.len()],
             exact: vec![false; count],
@@ -145,6 +150,10 @@ impl ChosenRegion {
     fn read(&self, places: &[(u32, Vec2)]) -> Result<Vec<f32>, FieldFault> {
         let roots: Vec<Root> = places.iter().map(|(t, bary)| self.on.root(*t, *bary)).collect();
         let mut values = self.field.on_skin(&roots, &self.on)?;
+        if self.within {
+            let grows = places.iter().map(|(t, bary)| self.on.grows(*t, *bary));
+            values.iter_mut().zip(grows).for_each(|(x, grows)| *x *= grows);
+        }
         if let Some(drawn) = &self.drawn {
             let surface = self.on.surface();
             let inside = places.iter().map(|(t, bary)| drawn.at(surface, *t, *bary));

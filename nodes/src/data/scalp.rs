@@ -18,6 +18,7 @@ use crate::maths::distance_field::DistanceField;
 use crate::maths::hash::{Key, KeyBuilder};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 pub use super::skin::Skin;
@@ -138,6 +139,18 @@ pub struct Part {
     pub is_left_out: bool,
     /// Whether the part is suggested for leaving out: it is named like hair or rises above the crown.
     pub is_proposed: bool,
+    /// Whether lists name it: not a piece of a mesh whose file has names of its own.
+    pub is_listed: bool,
+    /// Its triangles, as runs of numbers in rising order; none once it is left out.
+    pub triangles: Arc<[Range<u32>]>,
+}
+
+impl Part {
+    /// Whether a triangle is one of the part's.
+    pub fn holds(&self, triangle: u32) -> bool {
+        let next = self.triangles.partition_point(|run| run.start <= triangle);
+        next.checked_sub(1).is_some_and(|run| self.triangles[run].contains(&triangle))
+    }
 }
 
 /// A head with everything that nodes ask of it. Parting it ([`Scalp::parted`]) is cheap: everything but the sections is

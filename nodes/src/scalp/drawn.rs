@@ -24,6 +24,8 @@ pub(super) struct DrawnRegionParams<'a> {
     pub(super) strokes: &'a Strokes,
     /// Names, each with a point in head units, as text.
     pub(super) names: &'a str,
+    /// Whether the regions are what the strokes leave outside.
+    pub(super) outside: bool,
     /// Width of the edge, cm.
     pub(super) softness: f32,
     /// For each vertex, whether it is outer skin: 0 or 1.
@@ -85,7 +87,7 @@ pub(super) fn regions(
         let lines =
             (0..outlines.len()).filter(|i| chosen(*i) || about[*i].iter().any(|k| chosen(*k)));
         let lines = lines.map(|i| (outlines[i].clone(), is_hole(i)));
-        DrawnRegion::new(net, lines.collect(), wish.softness, may.clone())
+        DrawnRegion::new(net, (lines.collect(), wish.outside), wish.softness, may.clone())
     };
     let mut out = vec![(REGION.to_owned(), drawn(&|_| true))];
     for (name, lines) in named {

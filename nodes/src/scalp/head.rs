@@ -261,6 +261,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let wish = drawn::DrawnRegionParams {
             strokes: &inputs.hairline,
             names: &inputs.names,
+            outside: false,
             softness: inputs.edge * frame.unit(),
             may: grows,
         };

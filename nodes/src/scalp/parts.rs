@@ -14,9 +14,10 @@ use crate::define::short;
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
+use std::ops::Range;
 
 /// Number of the largest pieces with names.
-const MOST_PIECES: usize = 16;
+const MOST_PIECES: usize = 64;
 /// Number of enclosing nodes that count as names of a mesh, besides its own.
 const MOST_ABOVE: usize = 4;
 /// Most names in a message, and in a list.
@@ -291,19 +292,48 @@ impl Parts {
         name < self.first_piece || !has_names || self.is_left_out[name] || self.is_proposed[name]
     }
 
-    /// All parts except those that cover the whole mesh; suggested and left-out parts first.
+    /// All parts except those that cover the whole mesh, each with its triangles; suggested and left-out parts first.
     pub(crate) fn list(&self) -> Vec<Part> {
+        let mut runs = self.runs();
         let part = |i: usize| Part {
             name: self.names[i].clone(),
             pattern: as_pattern(&self.names[i]),
             is_left_out: self.is_left_out[i],
             is_proposed: self.is_proposed[i],
+            is_listed: self.is_worth_telling(i),
+            triangles: std::mem::take(&mut runs[i]).into(),
         };
-        let some = (0..self.names.len()).filter(|i| !self.is_all[*i] && self.is_worth_telling(*i));
+        let some = (0..self.names.len()).filter(|i| !self.is_all[*i]);
         let mut parts: Vec<Part> = some.map(part).collect();
-        parts.sort_by_key(|part| !(part.is_left_out || part.is_proposed));
+        parts.sort_by_key(|part| (!(part.is_left_out || part.is_proposed), !part.is_listed));
         parts.truncate(MOST_LISTED);
         parts
+    }
+
+    /// The triangles of each name, as runs of numbers in rising order.
+    fn runs(&self) -> Vec<Vec<Range<u32>>> {
+        let mut runs: Vec<Vec<Range<u32>>> = vec![vec![]; self.names.len()];
+        for column in &self.columns {
+            for (t, name) in (0u32..).zip(column.each()) {
+                let Some(runs) = name.map(|name| &mut runs[name]) else { continue };
+                match runs.last_mut().filter(|last| last.end == t) {
+                    Some(last) => last.end += 1,
+                    None => runs.push(t..t + 1),
+                }
+            }
+        }
+        // Columns may share a name.
+        for runs in &mut runs {
+            runs.sort_by_key(|run| run.start);
+            runs.dedup_by(|next, run| {
+                let meets = next.start <= run.end;
+                if meets {
+                    run.end = run.end.max(next.end);
+                }
+                meets
+            });
+        }
+        runs
     }
 }
 

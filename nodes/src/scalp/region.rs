@@ -12,7 +12,7 @@ use crate::data::landmarks::Landmark;
 use crate::data::region::ChosenRegion;
 use crate::data::scalp::Scalp;
 use crate::data::strokes::Strokes;
-use crate::define::{FieldInput, KnownInputs, NodeError, node};
+use crate::define::{FieldInput, KnownInputs, NodeError, choice, node};
 use crate::eval::EvalCx;
 use glam::Vec3;
 use std::sync::Arc;
@@ -20,7 +20,8 @@ use std::sync::Arc;
 node! {
     /// Another place on the same head where hair grows: a beard, brows, a patch of fur.
     ///
-    /// Draw outlines in the viewport, wire a mask, or both: hair grows inside the outlines, where the mask says. Wire the
+    /// Draw outlines in the viewport, wire a mask, or both: hair grows inside the outlines, where the mask says; or outside
+    /// of them, which leaves out a tail, feet or eyes. Wire the
     /// resulting scalp to the nodes that grow this hair. Other hair keeps the head's own region, and the head can have as
     /// many regions as it needs. Partings come behind the region.
     "region", version 1, label "Region",
@@ -32,6 +33,8 @@ node! {
         /// Closed strokes on the skin. Hair grows inside, on the smaller of the two sides. A stroke inside another cuts
         /// a hole.
         outline: Arc<Strokes> = Strokes::default(), words("stroke edge hairline line closed");
+        /// Whether hair grows inside the outlines or outside.
+        side: Side = Side::Inside, words("invert exclude leave out bare not except without");
         /// Draw each outline on both sides of the head.
         symmetric: bool = false, words("mirror both sides brows");
         /// Where hair grows, inside the outlines or, without any, on the whole head: a mask of the head such as
@@ -45,6 +48,16 @@ node! {
     outputs {
         /// The same head, with hair growing in this region.
         scalp: Arc<Scalp>;
+    }
+}
+
+choice! {
+    /// Whether hair grows inside the outlines or outside.
+    Side {
+        /// Inside the outlines, also where the head's own region is not.
+        Inside = "inside",
+        /// Where it grows on the incoming head, but not inside the outlines.
+        Outside = "outside",
     }
 }
 
@@ -64,7 +77,8 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         true => None,
     };
-    let chosen = ChosenRegion::new(scalp, drawn, &mask.field, &|| cx.check())?;
+    let within = inputs.side == Side::Outside;
+    let chosen = ChosenRegion::new(scalp, drawn, (&mask.field, within), &|| cx.check())?;
     match chosen.area() {
         area if area > 0.0 => cx.remark(format!("region: {}", drawn::area(area))),
         _ => cx.warn("hair grows nowhere: the region is empty"),
@@ -75,13 +89,14 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { scalp: Arc::new(scalp.with_region(chosen)) })
 }
 
-/// The region inside the outlines.
+/// The region inside the outlines, or all that is outside of them.
 fn inside(cx: &EvalCx, inputs: &Inputs) -> Result<crate::data::drawn::DrawnRegion, NodeError> {
     let scalp = &inputs.scalp;
     let (surface, frame) = (scalp.surface(), scalp.frame());
     // The lips join the skin to the mouth's inside, which has no hair.
     let is_head = scalp.landmarks().get(Landmark::Crown).is_some();
-    let mut may = match is_head {
+    let outside = inputs.side == Side::Outside;
+    let mut may = match is_head && !outside {
         true => hairline::outer_skin(surface, frame, &|| cx.check())?,
         false => vec![1.0; surface.points.len()],
     };
@@ -95,7 +110,8 @@ fn inside(cx: &EvalCx, inputs: &Inputs) -> Result<crate::data::drawn::DrawnRegio
         samples.for_each(|sample| sample.position *= Vec3::new(-1.0, 1.0, 1.0));
         strokes.0.extend(twins);
     }
-    let params = DrawnRegionParams { strokes: &strokes, names: "", softness: inputs.edge, may };
+    let softness = inputs.edge;
+    let params = DrawnRegionParams { strokes: &strokes, names: "", outside, softness, may };
     let regions = drawn::regions(cx, &scalp.net(), scalp.space(), params)?;
     let (_, whole) = regions.into_iter().next().expect("the region of all outlines");
     Ok(whole)
@@ -154,6 +170,35 @@ mod tests {
         let near = |middle: Vec3| hair.iter().filter(|p| p.distance(middle) < 1.1).count();
         assert_eq!(near(eye) + near(other), hair.len());
         assert!(near(eye).abs_diff(near(other)) < 40, "{} and {}", near(eye), near(other));
+    }
+
+    #[test]
+    fn outside_of_the_outlines_hair_grows_where_it_did() {
+        let plain = head(&[]);
+        let sharp = ("edge", Value::Float(0.0));
+        let without = |on: &Arc<Scalp>, at: Vec3, radius: f32| {
+            let (middle, line) = outline(&plain, at, radius);
+            let set = [("side", "outside".into()), ("outline", Strokes(vec![line]).into())];
+            let (scalp, said) = region(on, &[&set[..], &[sharp.clone()]].concat());
+            let told = said.iter().find_map(|s| s.strip_prefix("region: ")?.strip_suffix(" cm2"));
+            let area: f32 = told.unwrap().parse().unwrap();
+            (scalp, middle, area)
+        };
+        let (first, crown, left) = without(&plain, Vec3::new(2.0, 9.0, -1.0), 3.0);
+        let hair = roots(&first);
+        assert!(hair.len() > 700 && hair.iter().all(|p| p.distance(crown) > 2.9));
+        // A bald spot: the rest of the head's own region, and nothing but it.
+        assert!(hair.iter().all(|p| {
+            let root = plain.closest_root(*p).unwrap();
+            plain.grows(root.triangle, root.bary) > 0.0
+        }));
+        // One behind the other: both are left out.
+        let (second, nape, less) = without(&first, Vec3::new(0.0, 3.0, -9.0), 2.0);
+        let hair = roots(&second);
+        let clear = |p: &Vec3| p.distance(crown) > 2.9 && p.distance(nape) > 1.9;
+        assert!(hair.len() > 700 && hair.iter().all(clear));
+        let spot = area_within(&plain, nape, 2.0);
+        assert!(((left - less) / spot - 1.0).abs() < 0.1, "{left} to {less} cm2 by {spot}");
     }
 
     #[test]

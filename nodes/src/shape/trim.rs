@@ -41,6 +41,8 @@ node! {
         /// Half axes of the ellipsoid: sideways, up, forward.
         size: Vec3 = Vec3::new(14.0, 14.0, 14.0), unit(Length), words("radius width height depth ellipsoid"),
             idle(|of| unless(of, "shape", "ellipsoid", "the shape is no ellipsoid"));
+        /// Length that is left beyond the shape: makes it larger all around. Negative values cut shorter.
+        longer: f32 = 0.0, hard(-100.0, 100.0), soft(-10.0, 10.0), unit(Length), words("length shorter grow enlarge offset level");
         /// How far the shape leans back about its centre.
         tilt: f32 = 0.0, hard(-180.0, 180.0), soft(-60.0, 60.0), unit(Angle), words("lean rotate");
         /// Closed mesh to cut to, used at its own position: wire a Head node that reads it, with no fit. The shape is
@@ -88,7 +90,13 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let axes =
         [frame.right, frame.up * cos - frame.forward * sin, frame.forward * cos + frame.up * sin];
     let mut centre = inputs.scalp.place(inputs.centre);
-    let size = inputs.size.abs().max(Vec3::splat(0.01 * cx.unit()));
+    let least_size = Vec3::splat(0.01 * cx.unit());
+    // Half axes grow by it, so that what is cut level stays level; other outlines are seen from their centre.
+    let (size, longer) = match inputs.shape {
+        Shape::Ellipsoid => (inputs.size.abs() + inputs.longer, 0.0),
+        Shape::Mesh | Shape::Drawn => (inputs.size.abs(), inputs.longer),
+    };
+    let size = size.max(least_size);
     let outline = match (inputs.shape, &inputs.mesh) {
         (Shape::Ellipsoid, _) | (Shape::Mesh, None) => PuffOutline::Ellipsoid(size),
         (Shape::Mesh, Some(mesh)) => {
@@ -118,6 +126,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let far = off.length();
         let way = off.try_normalize().unwrap_or(Vec3::Y);
         far - outline.reach(Vec3::new(way.dot(axes[0]), way.dot(axes[1]), way.dot(axes[2])), 1.0)
+            - longer
     };
     let [curves] = cx.each_tuft(&inputs.curves, |tuft, piece| {
         let room = |id: u64| {
@@ -247,6 +256,24 @@ mod tests {
             }
         }
         assert!((20..60).contains(&cuts), "{cuts}");
+    }
+
+    #[test]
+    fn longer_enlarges_the_shape_and_keeps_what_is_cut_level_level() {
+        let frame = *shared_ball().frame();
+        let at = |size: Vec3, longer: f32| {
+            let centre = ("centre", Vec3::new(0.0, 9.0, 0.0).into());
+            trimmed(&[centre, ("size", size.into()), ("longer", Value::Float(longer))])
+        };
+        let wide = Vec3::new(50.0, 15.0, 50.0);
+        assert_eq!(at(wide, 5.0).key(), at(wide + 5.0, 0.0).key());
+        assert_eq!(at(wide, -5.0).key(), at(wide - 5.0, 0.0).key());
+        // A flat shape is a level, so far below its centre.
+        let level = at(Vec3::new(200.0, 0.0, 200.0), 22.0);
+        let deepest = level.each().flat_map(|(tuft, i)| tuft.curve(i).to_vec());
+        let deepest = deepest.map(|p| (p - frame.point_from_head(Vec3::Y * 9.0)).dot(frame.up));
+        let lowest = deepest.fold(0.0f32, f32::min) / frame.unit();
+        assert!((lowest + 22.0).abs() < 0.02, "{lowest}");
     }
 
     #[test]

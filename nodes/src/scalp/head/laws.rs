@@ -490,6 +490,17 @@ fn what_is_left_out_is_neither_skin_nor_region_and_what_is_not_there_is_told() {
     let listed: Vec<_> = scalp.parts().iter().map(|p| (p.name.as_str(), p.is_proposed)).collect();
     assert!(listed.starts_with(&[("Long_Hair", true), ("top hat", true)]), "{listed:?}");
     assert!(listed.contains(&("Head", false)), "{listed:?}");
+    // Each knows its triangles, also those that are pieces in a file with names.
+    let of = |name: &str| scalp.parts().iter().find(|part| part.name == name).unwrap();
+    let starts = [0, bust.triangles.len(), bust.triangles.len() + hair.triangles.len()];
+    for ((name, mesh), start) in
+        ["Head", "Long_Hair", "top hat"].iter().zip([&bust, &hair, &hat]).zip(starts)
+    {
+        let held = (0..scalp.surface().triangles.len()).filter(|t| of(name).holds(*t as u32));
+        assert!(held.eq(start..start + mesh.triangles.len()), "{name}");
+    }
+    let mut pieces = scalp.parts().iter().filter(|part| part.name.starts_with("piece "));
+    assert!(of("Head").is_listed && pieces.any(|part| !part.is_listed && part.holds(0)));
     // The remaining surface is the bust's own, and so is everything derived from it.
     let alone = adult(&[("mesh", named(&[("Head", &bust)], |p| p))]).0;
     let (left, said) = adult(&[("mesh", file()), ("leave_out", "*HAIR , Top Hat, eyes".into())]);
