@@ -400,6 +400,56 @@ pub fn ungroup(
     Ok((after.clone(), free.map(|(_, new)| new.clone()).collect()))
 }
 
+/// Makes parameters of the graph of what can be set on a group: its inputs that take a value and have no wire, in a node of their own
+/// called `label`, where the group's inner nodes take from. The document with it, and its id; none where nothing can be set.
+///
+/// # Errors
+/// It is no group, or it stands in another.
+pub fn set_by_parameters(
+    document: &Document,
+    group: &NodeId,
+    label: &str,
+) -> Result<(Document, Option<NodeId>), String> {
+    let node = document.node(group.as_str()).filter(|node| node.is_group());
+    let node = node.ok_or_else(|| format!("{} is no group", document.name_of(group)))?;
+    if group.group().is_some() {
+        return Err(format!("{} stands in another group", document.name_of(group)));
+    }
+    let to = |port: &Port| Socket::new(group.clone(), &port.name);
+    let made = |ty| matches!(ty, Type::Curves | Type::Scalp | Type::Strokes | Type::Gestures);
+    let is_set = |port: &&Port| !made(port.ty) && !document.links.contains_key(&to(port));
+    let ports: Vec<Port> =
+        node.interface.unwrap_or_default().inputs().iter().filter(is_set).cloned().collect();
+    if ports.is_empty() {
+        return Ok((document.clone(), None));
+    }
+    let mut after = document.clone();
+    let id = after.free_id(declared::PARAMETERS);
+    let mut inputs = BTreeMap::new();
+    if let Some(node) = after.nodes.get_mut(group) {
+        let node = Arc::make_mut(node);
+        let set = |port: &Port| Some((port.name.clone(), node.inputs.remove(&port.name)?));
+        inputs.extend(ports.iter().filter_map(set));
+    }
+    for port in &ports {
+        after.links.insert(to(port), vec![Socket::new(id.clone(), &port.name)]);
+    }
+    // Where the group's own inputs stand.
+    let border = document.inside(group).find(|(inner, node)| {
+        node.kind == declared::GROUP_INPUT && inner.group().as_ref() == Some(group)
+    });
+    let at = border.and_then(|(inner, _)| document.layout.get(inner)).copied();
+    after.layout.extend(at.map(|at| (id.clone(), at)));
+    let interface = Some(Interface::new(ports, vec![]).map_err(|err| err.to_string())?);
+    let label = Some(label.to_owned()).filter(|label| !label.is_empty());
+    let kind = declared::PARAMETERS.to_owned();
+    after
+        .nodes
+        .insert(id.clone(), Node { kind, label, inputs, interface, ..Node::default() }.into());
+    after.settle();
+    Ok((after, Some(id)))
+}
+
 /// What an output of a group, or of its border, comes from.
 enum Source {
     Wires(Vec<Socket>),

@@ -464,7 +464,7 @@ impl Document {
     }
 
     /// An id that no node has yet, in no group, made of `stem`: itself, else with the first free number
-    /// behind it.
+    /// behind it, in the place of a number that it has.
     pub fn free_id(&self, stem: &str) -> NodeId {
         self.free_id_in(None, stem)
     }
@@ -484,11 +484,12 @@ impl Document {
             None => word.to_owned(),
         };
         let mut id = path(&stem);
+        let (bare, _) = numbered(&stem);
         for n in 2u32.. {
             if !self.nodes.contains_key(id.as_str()) {
                 break;
             }
-            id = path(&format!("{stem}_{n}"));
+            id = path(&format!("{bare}_{n}"));
         }
         NodeId(id.into())
     }

@@ -8,8 +8,10 @@ use super::edit::Edit;
 use super::graph::{self, wire_ends_problem};
 use super::{Document, Node, NodeId, Setting, Socket, groups};
 use crate::values;
-use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type};
+use coif_nodes::declared;
+use coif_nodes::define::{Arity, InputDef, NodeDef, OutputDef, Type, Value};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// What an output gives; none where there is no such output or nobody knows.
 pub fn output_type(document: &Document, from: &Socket) -> Option<Type> {
@@ -19,6 +21,23 @@ pub fn output_type(document: &Document, from: &Socket) -> Option<Type> {
 /// The declaration of an input; none where there is no such input or nobody knows.
 pub fn input_def(document: &Document, to: &Socket) -> Option<&'static InputDef> {
     document.def(&to.node)?.input(&to.name).map(|(_, input)| input)
+}
+
+/// Where an input is set: itself, or, where it reads a parameter of the graph or an input of its group, that.
+pub fn set_at(document: &Document, input: &Socket) -> Socket {
+    let mut at = input.clone();
+    // In a circle it would go on for good.
+    for _ in 0..=super::DEEPEST_GROUP {
+        let [wire] = document.wires(&at.node, &at.name) else { break };
+        let kind = document.node(wire.node.as_str()).map_or("", |node| node.kind.as_str());
+        let group = wire.node.group().filter(|_| kind == declared::GROUP_INPUT);
+        at = match group {
+            Some(group) => Socket { node: group, name: wire.name.clone() },
+            None if kind == declared::PARAMETERS => wire.clone(),
+            None => break,
+        };
+    }
+    at
 }
 
 /// Whether an output can feed an input, as far as their types say.
@@ -319,8 +338,8 @@ pub fn has_hair(document: &Document) -> bool {
     document.links.iter().any(gives)
 }
 
-/// A groom without its hair: heads and masks stay, with all that is said of the groom; what gives curves, hangs from them or writes
-/// them goes, with the regions that only it grew in.
+/// A groom without its hair: heads and masks stay, with what is left out of heads and all that is said of the groom; what gives curves,
+/// hangs from them or writes them goes, with the regions and the parameters that only it read.
 pub fn without_hair(document: &Document) -> Document {
     let of_curves = |id: &&NodeId| {
         let def = document.def(id);
@@ -330,9 +349,14 @@ pub fn without_hair(document: &Document) -> Document {
     let hair: Vec<&NodeId> = document.nodes.keys().filter(of_curves).collect();
     let mut gone = graph::downstream(document, hair.iter().copied());
     gone.extend(hair.into_iter().cloned());
-    // A region that nothing else reads was that of the hair.
-    let is_region = |id: &&NodeId| document.def(id).is_some_and(|def| def.id == REGION);
-    for id in document.nodes.keys().filter(is_region) {
+    // What nothing else reads was that of the hair; but parameters that nothing read at all, and what is left out of a head.
+    let is_its = |(id, node): &(&NodeId, &Arc<Node>)| {
+        let outside = matches!(node.inputs.get("side"),
+            Some(Setting::Known(Value::Text(side))) if &**side == "outside");
+        let is_read = document.links.values().flatten().any(|wire| wire.node == **id);
+        node.kind == REGION && !outside || node.kind == declared::PARAMETERS && is_read
+    };
+    for (id, _) in document.nodes.iter().filter(is_its) {
         let reads = |wires: &Vec<Socket>| wires.iter().any(|wire| wire.node == *id);
         let mut links = document.links.iter();
         if links.all(|(to, wires)| gone.contains(&to.node) || !reads(wires)) {

@@ -8,7 +8,6 @@ use super::target::{EditTarget, How, InputSetting};
 use super::wheel;
 use crate::widgets::text::text_field;
 use coif_graphs::document::Setting;
-use coif_graphs::document::edit::Edit;
 use coif_nodes::define::{InputDef, NodeDef, Value};
 use coif_nodes::maths::hair_colour::{absorption_of_melanin, colour_of};
 use egui::{Color32, Mesh, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2};
@@ -97,11 +96,18 @@ fn hex(colour: [u8; 3]) -> String {
     format!("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2])
 }
 
-/// Shows it over the inputs of a node whose colour is pigment; nothing over others.
+/// Whether colours stand over the inputs that this one is among.
+pub(super) fn stand_before(input: &InputDef) -> bool {
+    input.name == ROOT
+}
+
+/// The first of the three numbers that a colour is.
+const ROOT: &str = "melanin_root";
+
+/// Shows it for a node whose colour is pigment; nothing for others.
 pub(super) fn show(ui: &mut Ui, target: &mut EditTarget, def: &'static NodeDef, width: f32) {
     let input = |name: &str| def.input(name).map(|(_, input)| input);
-    let (Some(root), Some(tip), Some(red)) =
-        (input("melanin_root"), input("melanin_tip"), input("redness"))
+    let (Some(root), Some(tip), Some(red)) = (input(ROOT), input("melanin_tip"), input("redness"))
     else {
         return;
     };
@@ -183,8 +189,7 @@ pub(super) fn show(ui: &mut Ui, target: &mut EditTarget, def: &'static NodeDef, 
     let mut edits = vec![];
     for node in target.nodes {
         for (input, x) in [root, tip, red].into_iter().zip(to) {
-            let (node, input) = (node.clone(), input.name.to_owned());
-            edits.push(Edit::SetInput { node, input, setting: Setting::Known(Value::Float(x)) });
+            edits.push(target.set_edit(node, input, Setting::Known(Value::Float(x))));
         }
     }
     target.say(edits, how);

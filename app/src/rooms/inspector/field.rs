@@ -111,7 +111,8 @@ impl FieldEditor<'_> {
         let at = source(field);
         let mut new = None;
         let size = Vec2::splat(ui.spacing().interact_size.y);
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        // Pressed, not focused: Tab goes from value to value.
+        let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
         let visuals = ui.style().interact(&response);
         ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);
         sign(ui, rect, at, visuals.text_color());

@@ -143,10 +143,8 @@ impl Inspector {
             ui.separator();
         }
         let filtered = !filter.trim().is_empty();
-        if !filtered {
-            colours::show(ui, &mut target, def, width);
-        }
         for (group, inputs) in def.groups() {
+            let colours = !filtered && inputs.iter().any(colours::stand_before);
             let inputs: Vec<_> = inputs.iter().filter(asked).filter(|it| !wired(it)).collect();
             if inputs.is_empty() {
                 continue;
@@ -160,6 +158,9 @@ impl Inspector {
                 if !open {
                     continue;
                 }
+            }
+            if colours {
+                colours::show(ui, &mut target, def, width);
             }
             inputs.into_iter().for_each(|input| row(ui, &mut target, input));
         }

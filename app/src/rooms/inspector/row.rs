@@ -20,6 +20,15 @@ const EDGE: f32 = 20.0;
 /// The share of the width that names take.
 const NAMES: f32 = 0.38;
 
+/// What is pressed beside a value. Tab goes from value to value.
+const PRESSED: Sense = Sense::CLICK;
+
+/// Gives what is pressed its name, and its place to screen readers, which know by themselves only what Tab reaches.
+fn named(ui: &Ui, response: &Response, name: &str) {
+    let enabled = ui.is_enabled();
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, enabled, name));
+}
+
 /// Shows an input of the target, `width` points wide.
 pub(crate) fn show(
     ui: &mut Ui,
@@ -69,7 +78,7 @@ fn colour(ty: Type) -> Color32 {
 
 /// The socket: filled when wired, a ring when the canvas shows it, a dot when it does not.
 fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, height: f32) {
-    let (rect, response) = ui.allocate_exact_size(vec2(EDGE, height), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(vec2(EDGE, height), PRESSED);
     let colour = colour(input.ty);
     let wired = !target.wires(input).is_empty();
     let only_wire = matches!(input.ty, Type::Curves | Type::Scalp);
@@ -90,7 +99,7 @@ fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, he
     if only_wire {
         return;
     }
-    set_name(ui, &response, &format!("{name} as socket"));
+    named(ui, &response, &format!("{name} as socket"));
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_role(egui::accesskit::Role::CheckBox);
         node.set_toggled(exposed.into());
@@ -110,7 +119,7 @@ fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, he
 
 /// The name. What is changed from its default stands out by weight of colour and a bar.
 fn label(ui: &mut Ui, target: &EditTarget, input: &InputDef, name: &str, size: Vec2) -> Response {
-    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let (rect, response) = ui.allocate_exact_size(size, PRESSED);
     let changed = target.is_changed(input);
     let colour = if changed { theme::TEXT } else { theme::QUIET };
     let font = TextStyle::Body.resolve(ui.style());
@@ -184,12 +193,12 @@ fn menu(ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef) {
 
 fn reset(ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef, name: &str, height: f32) {
     let changed = target.is_changed(input);
-    let sense = if changed { Sense::click() } else { Sense::hover() };
+    let sense = if changed { PRESSED } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(vec2(EDGE, height), sense);
     if !changed {
         return;
     }
-    set_name(ui, &response, &format!("{name}: reset"));
+    named(ui, &response, &format!("{name}: reset"));
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_role(egui::accesskit::Role::Button);
     });

@@ -1,13 +1,13 @@
 //! The nodes that the inspector edits at once, and how what hands do becomes events.
 //!
-//! Guarantees: a drag is one gesture from its first change to the release of the pointer; what changes nothing is not
+//! Guarantees: an input that reads a parameter is set there; a drag is one gesture from its first change to the release of the pointer; what changes nothing is not
 //! said; several nodes change in one edit. A gesture that something else ended or took back stays ended until the
 //! pointer is released.
 
 use crate::core::event::Event;
 use crate::core::state::State;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{NodeId, Setting, Socket};
+use coif_graphs::document::{NodeId, Setting, Socket, wiring};
 use coif_graphs::values::fit;
 use coif_nodes::define::{InputDef, Value};
 use std::collections::BTreeMap;
@@ -98,8 +98,20 @@ pub(crate) struct EditTarget<'a> {
 }
 
 impl EditTarget<'_> {
+    /// Where an input of one of the nodes is set: there, or where the parameter is that it reads.
+    fn place(&self, node: &NodeId, input: &InputDef) -> Socket {
+        wiring::set_at(&self.state.document, &Socket::new(node.clone(), input.name))
+    }
+
     fn setting(&self, node: &NodeId, input: &InputDef) -> Option<&Setting> {
-        self.state.document.node(node.as_str())?.inputs.get(input.name)
+        let at = self.place(node, input);
+        self.state.document.node(at.node.as_str())?.inputs.get(&*at.name)
+    }
+
+    /// The edit that sets an input of one of the nodes.
+    pub(crate) fn set_edit(&self, node: &NodeId, input: &InputDef, setting: Setting) -> Edit {
+        let at = self.place(node, input);
+        Edit::SetInput { node: at.node, input: at.name.to_string(), setting }
     }
 
     /// What an input of one of the nodes holds.
@@ -107,7 +119,12 @@ impl EditTarget<'_> {
         match self.setting(node, input) {
             Some(Setting::Known(value)) => InputSetting::Value(value.clone()),
             Some(Setting::Raw(text)) => InputSetting::Raw(text.to_string()),
-            None => default_of(input).map_or(InputSetting::Unset, InputSetting::Value),
+            None => {
+                let at = self.place(node, input);
+                let there = wiring::input_def(&self.state.document, &at).and_then(default_of);
+                let value = there.or_else(|| default_of(input));
+                value.map_or(InputSetting::Unset, InputSetting::Value)
+            }
         }
     }
 
@@ -185,8 +202,7 @@ impl EditTarget<'_> {
                 }
             };
             if self.setting(node, input) != Some(&setting) {
-                let (node, input) = (node.clone(), input.name.to_owned());
-                edits.push(Edit::SetInput { node, input, setting });
+                edits.push(self.set_edit(node, input, setting));
             }
         }
         self.say(edits, how);
@@ -204,7 +220,8 @@ impl EditTarget<'_> {
         let mut edits = vec![];
         for node in self.nodes {
             for input in inputs.iter().filter(|input| self.setting(node, input).is_some()) {
-                edits.push(Edit::UnsetInput { node: node.clone(), input: input.name.to_owned() });
+                let at = self.place(node, input);
+                edits.push(Edit::UnsetInput { node: at.node, input: at.name.to_string() });
             }
         }
         edits

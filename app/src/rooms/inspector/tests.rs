@@ -766,3 +766,56 @@ fn a_typed_colour_that_is_none_or_becomes_another_is_told() {
     assert!(!says(&hands, "no natural hair"));
     assert_eq!(done(&hands), 2);
 }
+
+#[test]
+fn tab_goes_from_value_to_value() {
+    let mut hands = hands(nodes(&[("curl", "frizz")]), &["curl"], (420.0, 900.0));
+    let say = |hands: &mut Hands, text: &str| {
+        hands.run_steps(2);
+        hands.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        hands.run_steps(1);
+        hands.event(egui::Event::Text(text.to_owned()));
+        hands.run_steps(1);
+        hands.key_press(Key::Tab);
+        hands.run_steps(3);
+    };
+    hands.get_by_label("Step").click();
+    // Sockets, names and resets lie between, pressed by a pointer alone.
+    for text in ["0.7", "40%", "20%"] {
+        say(&mut hands, text);
+    }
+    let set = ["step", "kink", "variation"].map(|input| number(&hands, "curl", input));
+    assert_eq!(set, [Some(0.7), Some(0.4), Some(0.2)]);
+}
+
+#[test]
+fn a_colour_that_is_read_from_parameters_is_set_there() {
+    let text = r#"(format: 3, nodes: {
+        "colour": (kind: "hair_colour", links: {
+            "melanin_root": "all.melanin_root", "melanin_tip": "all.melanin_tip", "redness": "all.redness"}),
+        "all": (kind: "parameters", label: "Bob", interface: (inputs: [
+            (name: "length", type: "number", default: 20.0, unit: "cm", doc: "How long."),
+            (name: "melanin_root", type: "number", default: 0.9, range: (0.0, 1.0), section: "Colour"),
+            (name: "melanin_tip", type: "number", default: 0.87, range: (0.0, 1.0)),
+            (name: "redness", type: "number", default: 0.12, range: (0.0, 1.0)),
+        ])),
+    })"#;
+    for node in ["all", "colour"] {
+        let document = coif_graphs::file::read(text).unwrap().document;
+        let mut hands = hands(document, &[node], (420.0, 1200.0));
+        hands.get_by_label("Copper").click();
+        hands.run_steps(3);
+        let set =
+            ["melanin_root", "melanin_tip", "redness"].map(|name| number(&hands, "all", name));
+        assert_eq!(set, [Some(0.45), Some(0.38), Some(0.85)], "{node}");
+        assert_eq!(done(&hands), 1);
+        let document = &hands.state().editor.state.document;
+        assert!(document.node("colour").unwrap().inputs.is_empty(), "the wires stay what counts");
+        hands.get_by_label("Root colour as hex");
+        if node == "all" {
+            // What is turned first stands first.
+            let top = |label: &str| hands.get_by_label(label).rect().top();
+            assert!(top("Length") < top("Copper") && top("Copper") < top("Melanin root"));
+        }
+    }
+}

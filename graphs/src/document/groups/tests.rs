@@ -302,6 +302,51 @@ fn ports_keep_what_is_wired_and_set_under_other_names_and_types() {
 }
 
 #[test]
+fn a_group_that_comes_apart_leaves_what_was_set_on_it_as_parameters() {
+    let (mut document, group) = make(&braids(), &ids("rows thin short"), "row").unwrap();
+    for input in ["row/rows.radius", "row/thin.count"] {
+        let (edit, _) = expose(&document, &socket(input)).unwrap();
+        edit.apply(&mut document).unwrap();
+    }
+    let said = |document: &Document| evaluated(document, &[socket("out.curves")]);
+    let set = |document: &Document, at: &str, value: Value| {
+        let (mut document, at) = (document.clone(), socket(at));
+        let (node, input) = (at.node, at.name.to_string());
+        let setting = Setting::Known(value);
+        Edit::SetInput { node, input, setting }.apply(&mut document).unwrap();
+        document
+    };
+    let on_group = set(&document, "row.count", Value::Int(5));
+    let (lifted, parameters) = set_by_parameters(&on_group, &group, "Row").unwrap();
+    applied(&on_group, &lifted);
+    assert_eq!(said(&lifted), said(&on_group));
+    let (plain, _) = ungroup(&lifted, &group).unwrap();
+    applied(&lifted, &plain);
+    assert!(graph::check(&plain).is_empty(), "{:?}", graph::check(&plain));
+    assert_eq!(said(&plain), said(&on_group));
+    let node = plain.node(parameters.unwrap().as_str()).unwrap();
+    assert_eq!((node.kind.as_str(), node.label.as_deref()), ("parameters", Some("Row")));
+    assert_eq!(node.inputs.keys().collect::<Vec<_>>(), ["count"]);
+    assert!(plain.layout.contains_key(&id("parameters")));
+    // What is set there is what nodes read, and where the nodes' own inputs are set.
+    let changed = set(&plain, "parameters.radius", Value::Float(0.3));
+    assert_ne!(said(&changed), said(&plain));
+    assert_eq!(said(&changed), said(&set(&on_group, "row.radius", Value::Float(0.3))));
+    let at = |document: &Document, input: &str| {
+        crate::document::wiring::set_at(document, &socket(input)).to_string()
+    };
+    assert_eq!(at(&plain, "rows.radius"), "parameters.radius");
+    assert_eq!(at(&plain, "rows.offset"), "rows.offset");
+    assert_eq!(at(&lifted, "row/rows.radius"), "parameters.radius");
+    assert_eq!(at(&document, "row/thin.count"), "row.count");
+    assert_eq!(at(&plain, "thin.curves"), "thin.curves", "what is made is set nowhere");
+    // A group with nothing to set leaves nothing.
+    let (bare, group) = make(&braids(), &ids("rows thin short"), "row").unwrap();
+    assert_eq!(set_by_parameters(&bare, &group, "Row").unwrap(), (bare.clone(), None));
+    assert!(set_by_parameters(&bare, &id("head"), "Row").is_err());
+}
+
+#[test]
 fn a_bypassed_group_passes_on_what_comes_in() {
     let (mut document, _) = make(&braids(), &ids("thin short"), "pair").unwrap();
     Edit::SetBypass { id: id("pair"), bypass: true }.apply(&mut document).unwrap();
