@@ -161,6 +161,12 @@ fn as_edits(node: &NodeId, path: &str, placing: &Placing) -> Vec<Edit> {
     edits
 }
 
+/// The names and patterns of a list.
+fn names(text: &str) -> Vec<String> {
+    let all = text.split(',').map(|name| name.trim().to_owned());
+    all.filter(|name| !name.is_empty()).collect()
+}
+
 /// Forgets a head that is gone, by undo or by hand, and notes the parts of one that was read.
 pub(super) fn settle(editor: &mut Editor) {
     let document = &editor.state.document;
@@ -168,6 +174,15 @@ pub(super) fn settle(editor: &mut Editor) {
     let read = shown.filter(|shown| shown.revision == editor.state.revision);
     if let (Some(head), Some(scalp)) = (&mut editor.documents.head, read.and_then(|s| s.scalp())) {
         head.parts = scalp.parts().to_vec();
+    }
+    // Parts are also left out by pointing at them.
+    if let Some(head) = &mut editor.documents.head
+        && let Some(node) = document.node(head.node.as_str())
+    {
+        head.placing.leave_out = match node.inputs.get("leave_out") {
+            Some(Setting::Known(Value::Text(text))) => names(text),
+            _ => vec![],
+        };
     }
     let gone = editor.documents.head.as_ref().is_some_and(|head| {
         let node = document.node(head.node.as_str());
@@ -307,7 +322,7 @@ pub(super) fn window(
 /// A tick for each part of the mesh. What looks like hair stands first and says so; nothing is ticked by itself.
 fn leave_out(parts: &[Part], placing: &mut Placing, ui: &mut egui::Ui) {
     ScrollArea::vertical().max_height(130.0).show(ui, |ui| {
-        for part in parts {
+        for part in parts.iter().filter(|part| part.is_listed) {
             let before = placing.leave_out.iter().position(|name| *name == part.pattern);
             let mut is_left_out = before.is_some();
             let short: String = part.name.chars().take(MOST_LETTERS).collect();

@@ -1,7 +1,7 @@
 //! What the pen room can do by name: tools, brushes, symmetry, what happens to picked strokes and points, recipes.
 
 use super::target::{self, Fills};
-use super::{Pen, PenTool, StrokeSelection, partings, recipes};
+use super::{Pen, PenTool, StrokeSelection, leave_out, partings, recipes};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::notes::Note;
@@ -144,6 +144,30 @@ pub(crate) const ACTIONS: &[Of<Pen>] = &[
             out.extend([Event::End, Event::Select(Select::Nodes(vec![node.clone()]))]);
             out.push(Event::Pin(Some(node)));
             pen.tool = PenTool::Draw;
+        },
+    },
+    Action {
+        id: "pen.leave_out",
+        label: "Leave out an area",
+        tip: "Draw around a place on the head, such as a tail, feet or eyes: no hair grows inside. Symmetry leaves it out on both sides.",
+        words: "bare exclude without no hair remove region tail feet paws hooves eyes nose outline skin",
+        menu: "Pen",
+        when: a_head,
+        run: |pen, state, out| {
+            let mirror = state.settings.pen.symmetry;
+            leave_out(pen, PenTool::Draw, leave_out::region(&state.document, mirror), out);
+        },
+    },
+    Action {
+        id: "pen.leave_out_painted",
+        label: "Leave out by painting",
+        tip: "Erase hair from the head with a brush, such as from a tail or feet: none grows where it is erased.",
+        words: "bare exclude without no hair remove mask tail feet paws hooves eyes nose erase skin brush",
+        menu: "Pen",
+        when: a_head,
+        run: |pen, state, out| {
+            let tool = PenTool::Mask(Mode::Erase);
+            leave_out(pen, tool, leave_out::painted(&state.document), out);
         },
     },
     Action {
@@ -501,6 +525,24 @@ pub(super) fn step(
     out.push(Event::Begin(words));
     out.push(Event::Edit(Edit::Several(edits)));
     out.push(Event::End);
+}
+
+/// Takes up a tool for the node that leaves out what is drawn, made where there is none.
+fn leave_out(
+    pen: &mut Pen,
+    tool: PenTool,
+    into: Option<(NodeId, Vec<Edit>)>,
+    out: &mut Vec<Event>,
+) {
+    let Some((node, edits)) = into else { return };
+    if !edits.is_empty() {
+        out.push(Event::Begin("a place to leave out added".to_owned()));
+        out.extend(edits.into_iter().map(Event::Edit));
+        out.push(Event::End);
+    }
+    out.extend([Event::Select(Select::Nodes(vec![node.clone()])), Event::Pin(Some(node))]);
+    out.push(Event::Show(Room::Viewport));
+    pen.tool = tool;
 }
 
 /// Toggles the mirror of the node that the pen works on; with none, of the one that drawing will make.

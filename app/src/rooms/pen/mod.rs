@@ -15,6 +15,7 @@ mod drawing;
 mod edits;
 pub(crate) mod hair;
 mod hairline;
+mod leave_out;
 pub(crate) mod mask;
 mod overlay;
 mod panel;

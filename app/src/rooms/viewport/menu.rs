@@ -4,6 +4,7 @@
 //! there. The key for menus opens it too. Its entries are actions of the table.
 
 use super::drawing::HairHit;
+use super::parts::PointedHead;
 use super::select::{Level, together_with};
 use super::{Clicked, Purpose, Viewport, hud};
 use crate::core::action;
@@ -30,6 +31,9 @@ const HAIR: &[&str] = &[
 /// Actions on a head.
 const HEAD: &[&str] = &["view.frame_head", "view.select_head", "view.head"];
 
+/// Actions that leave out what is no part of the mesh by itself.
+const AREAS: &[&str] = &["pen.leave_out", "pen.leave_out_painted"];
+
 /// Actions where nothing is.
 const NOTHING: &[&str] = &["view.frame_all", "view.show_all"];
 
@@ -41,6 +45,8 @@ pub(super) struct Menu {
     /// It opens here.
     opens: Option<Pos2>,
     on: On,
+    /// The head that lies there.
+    head: Option<PointedHead>,
 }
 
 /// What the menu is about.
@@ -75,19 +81,27 @@ impl Viewport {
                 self.question(at, Purpose::Menu);
             } else {
                 // Without pictures only the head is found.
-                let ray = self.projection().ray(at);
-                let scalps = || state.shown.iter().flat_map(|shown| &shown.scalps);
-                let hit = |s: &std::sync::Arc<coif_nodes::data::scalp::Scalp>| {
-                    s.surface().ray(ray.origin, ray.direction, 1e5).is_some()
-                };
-                self.open_menu(state, at, None, scalps().any(hit), out);
+                let head = PointedHead::new(state, &self.projection().ray(at)).is_some();
+                self.open_menu(state, at, None, head, out);
             }
         }
         let (on, opens) = (self.menu.on, self.menu.opens.take());
+        let head = self.menu.head.clone();
+        let skin = |ui: &mut egui::Ui, out: &mut Vec<Event>| {
+            head.iter().for_each(|head| head.ui(state, ui, out));
+            action::menu(state.table, AREAS, ui, out);
+        };
         panel::menu_at(response, opens, |ui| match on {
-            On::Hair => action::menu(state.table, HAIR, ui, out),
+            On::Hair => {
+                action::menu(state.table, HAIR, ui, out);
+                if head.is_some() {
+                    panel::submenu(ui, "Skin below", |ui| skin(ui, out));
+                }
+            }
             On::Head => {
                 action::menu(state.table, HEAD, ui, out);
+                ui.separator();
+                skin(ui, out);
                 ui.separator();
                 panel::submenu(ui, "Light and skin", |ui| {
                     hud::looks(&mut self.options, ui, out);
@@ -121,6 +135,7 @@ impl Viewport {
         out: &mut Vec<Event>,
     ) {
         self.menu.opens = Some(at);
+        self.menu.head = PointedHead::new(state, &self.projection().ray(at)).filter(|_| head);
         self.menu.on = match (&hair, head) {
             (Some(_), _) => On::Hair,
             (None, true) => On::Head,

@@ -17,6 +17,7 @@ pub mod navigation;
 pub mod options;
 mod overlay;
 mod painter;
+mod parts;
 mod picking;
 pub mod select;
 pub mod status;
@@ -326,10 +327,10 @@ impl Viewport {
         self.under.as_ref().map(|under| &under.picked)
     }
 
-    /// Outputs that it needs besides what is displayed: what hair follows, where that is shown.
+    /// Outputs that it needs besides what is displayed: what handles stand about, and what hair follows, where that is shown.
     pub fn wants(&self, state: &State) -> Vec<Socket> {
         let Some(shown) = &state.shown else { return vec![] };
-        let mut wanted = vec![];
+        let mut wanted = handles::wants(state);
         let follows =
             self.options.guides || matches!(self.options.shown(), Show::Guides | Show::Clusters);
         if follows {

@@ -591,6 +591,128 @@ mod window {
         assert!(ui.state().state.visibility.alone.contains(&hair.id()));
     }
 
+    fn leave_out_of(ui: &Ui) -> Option<Setting> {
+        let document = &ui.state().state.document;
+        let head = document.nodes.values().find(|node| node.is_head()).expect("a head");
+        head.inputs.get("leave_out").cloned()
+    }
+
+    /// Opens the menu where a place of the skin is seen.
+    fn menu_at(ui: &mut Ui, place: Vec3) {
+        let at = ui.state().viewport.projection().screen(place).expect("it is seen");
+        ui.event(Input::PointerMoved(at));
+        ui.run_steps(2);
+        ui.key_press_modifiers(Modifiers::SHIFT, Key::F10);
+        ui.run_steps(4);
+    }
+
+    #[test]
+    fn a_part_of_the_head_is_left_out_by_pointing_at_it_and_comes_back_by_the_list() {
+        let mut ui = on(file::read(r#"(format: 3, nodes: {
+            "head": (kind: "head"),
+            "guides": (kind: "scatter_guides", links: {"scalp": "head.scalp"}, inputs: {"count": 200}),
+            "out": (kind: "groom_output", links: {"curves": "guides.curves"}),
+        })"#).unwrap().document);
+        ui.state_mut().act("view.from_front");
+        settle(&mut ui);
+        let scalp = ui.state().state.shown.as_ref().unwrap().scalp().unwrap().clone();
+        let triangles = |ui: &Ui| {
+            ui.state().state.shown.as_ref().unwrap().scalp().unwrap().surface().triangles.len()
+        };
+        let whole = triangles(&ui);
+        let part = scalp.parts().iter().find(|part| part.name == "eyes").expect("eyes").clone();
+        // Where the left eye stands out the most.
+        let middles = part
+            .triangles
+            .iter()
+            .cloned()
+            .flatten()
+            .map(|t| scalp.surface().at(t, glam::Vec2::splat(1.0 / 3.0)));
+        let eye = middles.filter(|p| p.x > 0.0).max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+        menu_at(&mut ui, eye);
+        ui.get_by_label("Leave out this part: eyes").click();
+        ui.run_steps(3);
+        assert_eq!(leave_out_of(&ui), Some(Setting::Known(Value::Text("eyes".into()))));
+        assert_eq!(ui.state().state.history.done(), 1);
+        settle(&mut ui);
+        let held: usize = part.triangles.iter().map(|run| run.len()).sum();
+        assert_eq!(triangles(&ui), whole - held);
+        // It is skin no more: the list has it, and the ticks are the panel's.
+        menu_at(&mut ui, eye);
+        ui.get_by_label_contains("Parts of the head").click();
+        ui.run_steps(3);
+        ui.get_by_label("eyes").click();
+        ui.run_steps(3);
+        assert_eq!(leave_out_of(&ui), None);
+        settle(&mut ui);
+        assert_eq!(triangles(&ui), whole);
+        ui.state_mut().act("edit.undo");
+        assert!(leave_out_of(&ui).is_some());
+        ui.state_mut().act("edit.redo");
+        settle(&mut ui);
+        // The face is one piece with the rest: an area is drawn instead.
+        menu_at(&mut ui, scalp.frame().point_from_head(Vec3::new(0.0, 3.0, 9.5)));
+        ui.get_by_label("Leave out this part");
+        ui.get_by_label("Leave out an area").click();
+        ui.run_steps(3);
+        let document = &ui.state().state.document;
+        let region = document
+            .nodes
+            .iter()
+            .find(|(_, node)| node.kind == "region")
+            .expect("a region")
+            .0
+            .clone();
+        assert_eq!(ui.state().state.pinned.as_ref(), Some(&region));
+        let wired =
+            |node: &str| document.wires(&NodeId::new(node).unwrap(), "scalp")[0].to_string();
+        assert_eq!(
+            (wired("guides"), wired("region")),
+            ("region.scalp".to_owned(), "head.scalp".to_owned())
+        );
+        settle(&mut ui);
+        // By painting it is the same region.
+        ui.state_mut().act("pen.leave_out_painted");
+        ui.run_steps(3);
+        let document = &ui.state().state.document;
+        let kinds = |kind: &str| document.nodes.values().filter(|node| node.kind == kind).count();
+        assert_eq!((kinds("region"), kinds("paint_mask")), (1, 1));
+        assert_eq!(document.wires(&region, "mask").len(), 1);
+        let mask = document.wires(&region, "mask")[0].node.clone();
+        assert_eq!(ui.state().state.pinned.as_ref(), Some(&mask));
+        for done in (1..=2).rev() {
+            ui.state_mut().act("edit.undo");
+            assert_eq!(ui.state().state.history.done(), done + 1);
+        }
+        assert!(ui.state().state.document.nodes.values().all(|node| node.kind != "region"));
+    }
+
+    #[test]
+    fn parameters_have_the_handles_of_what_reads_them() {
+        let mut document = file::read(grooms::by_name("puffs").unwrap()).unwrap().document;
+        for node in document.nodes.values_mut() {
+            if let Some(Setting::Known(Value::Int(n))) = Arc::make_mut(node).inputs.get_mut("count")
+            {
+                *n = (*n).min(60);
+            }
+        }
+        let socket: coif_graphs::document::Socket = "left.sphere_radius".parse().unwrap();
+        let was = document.nodes[&socket.node].inputs.get("sphere_radius").cloned();
+        let (edit, port) = coif_graphs::document::groups::expose(&document, &socket).unwrap();
+        edit.apply(&mut document).unwrap();
+        let mut ui = on(document);
+        ui.state_mut().apply(Event::Select(Select::Nodes(vec![port.node.clone()])));
+        settle(&mut ui);
+        let grip = ui.get_by_label("Handle of sphere_radius").rect().center();
+        drag(&mut ui, grip, grip + Vec2::new(25.0, -10.0), PointerButton::Primary, Modifiers::NONE);
+        settle(&mut ui);
+        let document = &ui.state().state.document;
+        let now = document.nodes[&port.node].inputs.get("sphere_radius");
+        assert!(now.is_some() && now != was.as_ref(), "{now:?}");
+        assert!(!document.nodes[&socket.node].inputs.contains_key("sphere_radius"));
+        assert_eq!(ui.state().state.history.done(), 1);
+    }
+
     #[test]
     fn a_handle_drags_its_input_in_one_step() {
         let mut ui = on_groom("puffs");

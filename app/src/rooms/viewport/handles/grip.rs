@@ -6,7 +6,7 @@ use super::Seen;
 use crate::core::projection::Projection;
 use crate::core::shown::{Shown, first_output};
 use crate::widgets::theme;
-use coif_graphs::document::{Document, NodeId, Setting};
+use coif_graphs::document::{Document, NodeId, Setting, Socket, wiring};
 use coif_nodes::data::attributes::{NORMAL, PUFF_CENTRE};
 use coif_nodes::data::scalp::{HeadFrame, HeadSpace, Scalp};
 use coif_nodes::define::{Handle, InputDef, SCALES, Type, Unit, Value};
@@ -55,16 +55,17 @@ const PLACES: [&str; 2] = ["placements", "ties"];
 /// What a tie says instead of these.
 const TIED: [&str; 2] = ["root_radius", "tie_height"];
 
-/// The value of an input as it is set, where it can be dragged.
+/// The value of an input as it is set, there or by a parameter that it reads, where it can be dragged.
 fn number(document: &Document, node: &NodeId, input: &InputDef) -> Option<Number> {
-    if !document.wires(node, input.name).is_empty() {
+    let at = wiring::set_at(document, &Socket::new(node.clone(), input.name));
+    if !document.wires(&at.node, &at.name).is_empty() {
         return None;
     }
-    let set = document.node(node.as_str())?.inputs.get(input.name);
+    let set = document.node(at.node.as_str())?.inputs.get(&*at.name);
     let value = match set {
         Some(Setting::Known(value)) => value.clone(),
         Some(Setting::Raw(_)) => return None,
-        None => input.default()?,
+        None => wiring::input_def(document, &at).and_then(InputDef::default).or(input.default())?,
     };
     match value {
         Value::Float(x) => Some(Number::One(x)),

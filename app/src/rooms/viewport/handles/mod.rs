@@ -1,7 +1,7 @@
-//! Handles of the active node: what of its inputs can be dragged in the picture.
+//! Handles of the active node: what of its inputs can be dragged in the picture. Parameters have those of the inputs that read them.
 //!
 //! Declarations say which inputs have one. Grips have the same size at any distance. A drag is one undo step; Escape takes it
-//! back. Inputs that are wired, unset or vary over the hair have none.
+//! back. Inputs that are wired to what is made, unset or vary over the hair have none.
 //!
 //! Where they stand: points where they are; balls about the middle that the node's curves carry; everything else about the
 //! node's own point, else about the first curve that it gives. What the head hides is not drawn ([`Seen`]) and cannot be taken.
@@ -13,18 +13,20 @@ mod marks;
 
 use crate::core::event::Event;
 use crate::core::projection::Projection;
+use crate::core::shown::first_output;
 use crate::core::state::State;
 use crate::widgets::theme;
 use coif_graphs::document::edit::Edit;
-use coif_graphs::document::{NodeId, Setting};
-use coif_nodes::data::field::Field;
+use coif_graphs::document::{Document, NodeId, Setting, Socket, wiring};
+use coif_graphs::values;
 use coif_nodes::data::scalp::Scalp;
-use coif_nodes::define::{Handle, Type, Value};
+use coif_nodes::declared;
+use coif_nodes::define::{Handle, Value};
 use egui::{Color32, Key, Pos2, Sense, Shape, Stroke, Vec2};
 use glam::Vec3;
 use grip::{Grip, Number, grips};
 use marks::LandmarkHandles;
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 /// How far from a grip's middle it is taken, points.
 const TARGET: f32 = 12.0;
@@ -37,7 +39,7 @@ const NEAR: f32 = 60.0;
 /// Places of the skin itself lie up to so far under it, cm.
 const UNDER: f32 = 0.5;
 /// Skin farther from the eye than this is not reached, cm.
-const FAR: f32 = 1e5;
+pub(super) const FAR: f32 = 1e5;
 
 /// What the head lets be seen.
 struct Seen<'a> {
@@ -109,23 +111,35 @@ impl Handles {
             *self = Self::default();
             return;
         };
-        if self.drag.as_ref().is_some_and(|drag| drag.node != *node) {
+        let nodes = gripped(&state.document, node);
+        if self.drag.as_ref().is_some_and(|drag| !nodes.contains(&drag.node)) {
             self.drag = None;
         }
         let scalps: Vec<&Scalp> = shown.scalps.iter().map(|scalp| &**scalp).collect();
         let seen = Seen { view, scalps: if head { &scalps } else { &[] } };
-        let dragged = self.drag.as_ref().map(|drag| drag.grip.input.name);
-        let is_held = |grip: &Grip| dragged == Some(grip.input.name);
-        let placed = grips(&state.document, shown, node, view).into_iter().filter_map(|grip| {
-            let (at, hidden) = grip.place(&seen, &scalps)?;
-            (!hidden || is_held(&grip)).then_some((grip, at))
-        });
-        let placed: Vec<(Grip, Pos2)> = placed.collect();
+        let dragged = self.drag.as_ref().map(|drag| (drag.node.clone(), drag.grip.input.name));
+        let is_held = |node: &NodeId, grip: &Grip| {
+            dragged.as_ref().is_some_and(|(held, name)| held == node && *name == grip.input.name)
+        };
+        let is_own = |of: &NodeId, grip: &Grip| {
+            of == node || set_at(&state.document, of, grip.input.name).node == *node
+        };
+        let (mut of, mut placed): (Vec<&NodeId>, Vec<(Grip, Pos2)>) = (vec![], vec![]);
+        for node in &nodes {
+            let grips = grips(&state.document, shown, node, view);
+            for grip in grips.into_iter().filter(|grip| is_own(node, grip)) {
+                let Some((at, hidden)) = grip.place(&seen, &scalps) else { continue };
+                if !hidden || is_held(node, &grip) {
+                    of.push(node);
+                    placed.push((grip, at));
+                }
+            }
+        }
         let hands = apart(&placed);
         let pointer = ui.input(|input| input.pointer.latest_pos());
         let near = pointer.is_some_and(|p| hands.iter().any(|at| at.distance(p) < NEAR));
-        for ((grip, place), at) in placed.into_iter().zip(hands) {
-            let held = is_held(&grip);
+        for ((node, (grip, place)), at) in of.into_iter().zip(placed).zip(hands) {
+            let held = is_held(node, &grip);
             grip.draw(&seen, ui);
             if at.distance(place) > GRIP {
                 let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.5));
@@ -153,13 +167,14 @@ impl Handles {
                 self.drag = Some(Drag { node: node.clone(), grip, off: pressed - place, last });
             }
         }
-        self.follow(view, &scalps, ui, out);
+        self.follow(&state.document, view, &scalps, ui, out);
         self.marks.ui(state, &seen, ui, out);
     }
 
     /// Gives the dragged input what the pointer says.
     fn follow(
         &mut self,
+        document: &Document,
         view: &Projection,
         scalps: &[&Scalp],
         ui: &egui::Ui,
@@ -179,21 +194,45 @@ impl Handles {
         {
             drag.last = value;
             let value = match value {
-                Number::One(x) if drag.grip.input.ty == Type::Field => {
-                    Value::Field(Arc::new(Field::Constant(x)))
-                }
                 Number::One(x) => Value::Float(x),
                 Number::Point(p) => Value::Vec3(p),
             };
-            let input = drag.grip.input.name.to_owned();
-            let setting = Setting::Known(value);
-            out.push(Event::Edit(Edit::SetInput { node: drag.node.clone(), input, setting }));
+            let at = set_at(document, &drag.node, drag.grip.input.name);
+            let ty = wiring::input_def(document, &at).map_or(drag.grip.input.ty, |input| input.ty);
+            if let Ok(value) = values::fit(ty, value) {
+                let (node, input, setting) = (at.node, at.name.to_string(), Setting::Known(value));
+                out.push(Event::Edit(Edit::SetInput { node, input, setting }));
+            }
         }
         if !down {
             out.push(Event::End);
             self.drag = None;
         }
     }
+}
+
+/// Where an input is set: there, or where the parameter is that it reads.
+fn set_at(document: &Document, node: &NodeId, input: &str) -> Socket {
+    wiring::set_at(document, &Socket::new(node.clone(), input))
+}
+
+/// The nodes whose grips are shown while this one is active: itself, and of parameters those with a handle that is set there.
+fn gripped(document: &Document, active: &NodeId) -> BTreeSet<NodeId> {
+    let is_parameters =
+        document.node(active.as_str()).is_some_and(|node| node.kind == declared::PARAMETERS);
+    let has_handle =
+        |to: &Socket| wiring::input_def(document, to).is_some_and(|input| input.handle.is_some());
+    let reads = |wires: &[Socket]| wires.iter().any(|wire| wire.node == *active);
+    let readers = document.links.iter().filter(|(_, wires)| is_parameters && reads(wires));
+    let readers = readers.filter(|(to, _)| has_handle(to)).map(|(to, _)| &to.node);
+    readers.chain([active]).cloned().collect()
+}
+
+/// Outputs that grips stand about, of nodes that are not active themselves.
+pub(super) fn wants(state: &State) -> Vec<Socket> {
+    let document = &state.document;
+    let nodes = state.active().map_or_else(BTreeSet::new, |active| gripped(document, active));
+    nodes.iter().filter_map(|id| first_output(document, id)).collect()
 }
 
 /// What a handle is called, beside it.
