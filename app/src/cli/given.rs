@@ -132,3 +132,33 @@ pub(super) fn apply_scalp(
     }
     Err(fault(format!("{id} is no head node")))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rooms::pen::recipes;
+
+    #[test]
+    fn inputs_of_a_recipe_are_set_by_their_names_in_a_saved_groom() {
+        let bob = recipes::ALL.iter().find(|recipe| recipe.template == "bob").expect("a bob");
+        let put = |document: &mut Document| {
+            let made = bob.edits(document, None, false).expect("it is made");
+            made.edits
+                .into_iter()
+                .for_each(|edit| drop(edit.apply(document).expect("it is put in")));
+        };
+        let mut document = Document::default();
+        put(&mut document);
+        let text = coif_graphs::file::write(&document);
+        let mut read = coif_graphs::file::read(&text).expect("it reads").document;
+        set_value(&mut read, "length", "12").expect("a bob has a length");
+        let cut = read.nodes.iter().find(|(_, node)| node.kind == "trim").expect("a cut").0;
+        let at = coif_graphs::document::wiring::set_at(&read, &Socket::new(cut.clone(), "longer"));
+        let set = read.nodes[&at.node].inputs.get(&*at.name);
+        assert_eq!(set, Some(&Setting::Known(Value::Float(12.0))));
+        // Of two bobs it says which there are.
+        put(&mut document);
+        let why = set_value(&mut document, "length", "12").expect_err("which?");
+        assert!(why.contains("parameters.length and parameters_2.length"), "{why}");
+    }
+}

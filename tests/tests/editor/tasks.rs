@@ -32,21 +32,21 @@ fn a_wavy_bob_with_a_side_parting_copper_with_dark_roots() {
     story.click("Bob with a side parting");
     story.sees_hair(50_000);
     story.picture("1-bob");
-    // Its colour is selected: the swatches are in the inspector.
+    // Its inputs are selected: the swatches are in the inspector.
     story.click("Copper");
     story.sees_hair(50_000);
     let document = &story.ui.state().state.document;
-    assert_eq!(number(document, "hair_colour", "melanin_tip"), 0.38);
+    assert_eq!(number(document, "parameters", "melanin_tip"), 0.38);
     story.click("Root colour as hex");
     story.write("#0b0301");
     story.key(Modifiers::NONE, Key::Enter);
     story.sees_hair(50_000);
     story.picture("2-colour");
     let document = &story.ui.state().state.document;
-    let root = number(document, "hair_colour", "melanin_root");
+    let root = number(document, "parameters", "melanin_root");
     assert!(root > 0.75, "{root}");
-    assert_eq!(number(document, "hair_colour", "melanin_tip"), 0.38, "tips stay");
-    assert!(number(document, "hair_colour", "redness") > 0.6, "and copper");
+    assert_eq!(number(document, "parameters", "melanin_tip"), 0.38, "tips stay");
+    assert!(number(document, "parameters", "redness") > 0.6, "and copper");
     // Over the nodes.
     story.over(Room::Canvas);
     story.key(Modifiers::NONE, Key::Tab);
@@ -91,7 +91,8 @@ fn a_puff_is_moved_by_its_handle() {
     story.click("Puff");
     story.sees_hair(10_000);
     story.picture("1-puff");
-    let before = node(&story.ui.state().state.document, "gather").inputs.get("position").cloned();
+    let before =
+        node(&story.ui.state().state.document, "parameters").inputs.get("position").cloned();
     // Its place is on the skin, over the horizon of the head as seen from the front: from above it is there.
     story.over(Room::Viewport);
     story.key(Modifiers::ALT, Key::Num5);
@@ -99,7 +100,8 @@ fn a_puff_is_moved_by_its_handle() {
     story.drag("Handle of position", Vec2::new(60.0, 10.0));
     story.sees_hair(10_000);
     story.picture("2-moved");
-    let after = node(&story.ui.state().state.document, "gather").inputs.get("position").cloned();
+    let after =
+        node(&story.ui.state().state.document, "parameters").inputs.get("position").cloned();
     assert_ne!(before, after);
     assert_eq!(story.ui.state().state.history.done(), 2, "the recipe and the drag");
     println!("{} actions: {}", story.actions, story.took.join(", "));

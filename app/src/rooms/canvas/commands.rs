@@ -12,7 +12,8 @@ use crate::core::notes::Note;
 use crate::core::shown::first_output;
 use crate::core::state::{Select, State};
 use coif_graphs::document::edit::{Edit, between};
-use coif_graphs::document::{Document, Frame, Node, NodeId, Point, graph, groups, wiring};
+use coif_graphs::document::{Document, Frame, Node, NodeId, Point, Socket, graph, groups, wiring};
+use coif_nodes::declared;
 use coif_nodes::define::{NodeDef, Type};
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use std::collections::BTreeSet;
@@ -148,15 +149,31 @@ pub(super) fn put_frame(
     edited(Edit::Several(edits))
 }
 
+/// What a node gives that others can be made of: of parameters the hair that is made by them.
+fn gives(document: &Document, id: &NodeId) -> Option<Socket> {
+    let kind = |id: &NodeId| document.node(id.as_str()).map_or("", |node| node.kind.as_str());
+    let of_parameters = || {
+        let behind = graph::downstream(document, [id]);
+        let is_output = |to: &Socket| behind.contains(&to.node) && kind(&to.node) == "groom_output";
+        let mut outputs = document.links.iter().filter(|(to, _)| is_output(to));
+        outputs.find_map(|(_, from)| from.first().cloned())
+    };
+    let own = first_output(document, id);
+    own.or_else(|| (kind(id) == declared::PARAMETERS).then(of_parameters).flatten())
+}
+
 impl Canvas {
     /// Opens the search for a node: where the pointer is, else beside the active node, to which it
     /// proposes a wire.
     pub(super) fn open_search(&mut self, state: &State, faces: &Faces, clicked: Option<Pos2>) {
         let link = match (clicked, state.active()) {
-            (None, Some(id)) => first_output(&state.document, id).map(Link::From),
+            (None, Some(id)) => gives(&state.document, id).map(Link::From),
             _ => None,
         };
-        let beside = state.active().filter(|_| link.is_some());
+        let beside = match &link {
+            Some(Link::From(from)) => Some(&from.node),
+            _ => None,
+        };
         let on_screen = clicked.unwrap_or_else(|| self.opens_at(faces, beside));
         let at = self.to_canvas(on_screen);
         let task = Task::Add { at, link, dropped: false };

@@ -739,8 +739,8 @@ fn ask(pen: &mut Pen, state: &State, recipe: usize, out: &mut Vec<Event>) {
     }
 }
 
-/// Makes a recipe, instead of the hair that is there or as well, and takes up the pen, where there is something to draw. What it is made
-/// of is selected: the inspector shows what to draw into, or the colour of hair that is there.
+/// Makes a recipe, instead of the hair that is there or as well, and takes up the pen, where there is something to draw. Its inputs are
+/// selected: what a groomer turns first is what the inspector shows.
 pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Event>) {
     let Some(recipe) = recipes::ALL.get(recipe) else { return };
     let mirror = state.settings.pen.symmetry;
@@ -757,9 +757,9 @@ pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Ev
     out.push(Event::Begin(format!("recipe: {}", recipe.label.to_lowercase())));
     out.push(Event::Edit(Edit::Several(made.edits)));
     out.push(Event::End);
-    out.push(Event::Select(Select::Nodes(vec![made.node.clone()])));
+    out.push(Event::Select(Select::Nodes(vec![made.inputs])));
     out.push(Event::Show(Room::Viewport));
-    out.extend(recipe.is_drawn().then_some(Event::TakeUpPen(made.node)));
+    out.extend(made.drawn.map(Event::TakeUpPen));
 }
 
 /// The kind of node that fills a head between strokes.

@@ -1,15 +1,24 @@
 //! Recipes: templates that are put onto the head at hand and taken apart, in one undo step: plain nodes, to go on from.
 //!
+//! What a template has as inputs stays in one place: a node of parameters, called as the recipe is, that the plain nodes read.
 //! Seeds follow on those that the document has, so that the same recipe twice is not the same hair twice. Who wants what can be upgraded
 //! takes the template itself.
 
 use super::target;
+use crate::core::faces::Faces;
+use crate::core::faces::arrange::{GAP, free_place, point};
+use crate::core::shown::Reports;
 use crate::library;
 use coif_graphs::document::edit::{Edit, between};
-use coif_graphs::document::{Document, Node, NodeId, Point, Setting, graph, groups, wiring};
+use coif_graphs::document::{
+    Document, Node, NodeId, Point, Setting, Socket, graph, groups, wiring,
+};
 use coif_graphs::grooms;
 use coif_graphs::template::{self, Placement};
 use coif_nodes::define::Value;
+use egui::{Rect, vec2};
+use std::cmp::Ordering;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A recipe.
@@ -24,12 +33,13 @@ pub(crate) struct Recipe {
     pub(crate) action: &'static str,
     /// What the pen draws.
     pub(crate) draws: Draws,
-    /// The kind of node that is selected then; else what is drawn into, or the colour of the hair.
-    selects: Option<&'static str>,
 }
 
 /// Fills what is sketched on a bare head: [`ALL`] by number.
 pub(crate) const SKETCH: usize = 1;
+
+/// The kind of node that gives hair to files.
+const OUTPUT: &str = "groom_output";
 
 /// What the pen draws into a recipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +62,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Draw a few strokes from root to tip, such as ten for a bob: hair fills the head between them, and parts where they leave each other.",
         action: "recipe.flow_hair",
         draws: Draws::Hair,
-        selects: None,
     },
     Recipe {
         template: "sketch_hair",
@@ -60,7 +69,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Draw hair on the head: press to implant a cluster, draw lightly from its tip to lengthen it, over hair to comb.",
         action: "recipe.sketch_hair",
         draws: Draws::Hair,
-        selects: None,
     },
     Recipe {
         template: "draw_cornrows",
@@ -68,7 +76,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Draw rows on the head; each becomes a cornrow of three strands.",
         action: "recipe.cornrows",
         draws: Draws::Rows,
-        selects: None,
     },
     Recipe {
         template: "flat_twists",
@@ -76,7 +83,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Draw rows on the head; each becomes a flat twist of two strands.",
         action: "recipe.flat_twists",
         draws: Draws::Rows,
-        selects: None,
     },
     Recipe {
         template: "draw_box_braids",
@@ -84,7 +90,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Draw braids in space, from root to tip; each becomes a hanging braid of three strands.",
         action: "recipe.box_braids",
         draws: Draws::Free,
-        selects: None,
     },
     Recipe {
         template: "draw_two_strand_twists",
@@ -92,7 +97,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Draw twists in space, from root to tip; each becomes a rope of two strands.",
         action: "recipe.two_strand_twists",
         draws: Draws::Free,
-        selects: None,
     },
     Recipe {
         template: "locks",
@@ -100,7 +104,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Draw locks in space, from root to tip; each is filled with hair.",
         action: "recipe.locks",
         draws: Draws::Free,
-        selects: None,
     },
     Recipe {
         template: "long_straight",
@@ -108,7 +111,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Long hair, parted in the middle and cut to one length.",
         action: "recipe.long_straight",
         draws: Draws::Nothing,
-        selects: None,
     },
     Recipe {
         template: "bob",
@@ -116,7 +118,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Cut level at the jaw and parted at the side.",
         action: "recipe.bob",
         draws: Draws::Nothing,
-        selects: None,
     },
     Recipe {
         template: "waves",
@@ -124,7 +125,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Shoulder-length waves with a side parting, in locks of many sizes.",
         action: "recipe.waves",
         draws: Draws::Nothing,
-        selects: None,
     },
     Recipe {
         template: "fringe",
@@ -132,15 +132,13 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "A fringe from a wedge above the forehead, combed forward and cut level above the brows.",
         action: "recipe.fringe",
         draws: Draws::Nothing,
-        selects: None,
     },
     Recipe {
         template: "pony_tail",
-        label: "Pony tail",
+        label: "Ponytail",
         tip: "All hair combed into a tie at the back, with a lock wound around the band.",
         action: "recipe.pony_tail",
         draws: Draws::Nothing,
-        selects: Some("gather"),
     },
     Recipe {
         template: "puff",
@@ -148,7 +146,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "A round puff at the back of the crown, in coils. Drag its handle to move it.",
         action: "recipe.puff",
         draws: Draws::Nothing,
-        selects: Some("gather"),
     },
     Recipe {
         template: "afro",
@@ -156,7 +153,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Kinky hair, picked out and cut round.",
         action: "recipe.afro",
         draws: Draws::Nothing,
-        selects: None,
     },
     Recipe {
         template: "short_back_and_sides",
@@ -164,7 +160,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Clipped at the back and over the ears, longer on top and combed forward.",
         action: "recipe.short_back_and_sides",
         draws: Draws::Nothing,
-        selects: None,
     },
     Recipe {
         template: "beard",
@@ -172,7 +167,6 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "A full beard and moustache in a region of its own, whose outline you can draw anew.",
         action: "recipe.beard",
         draws: Draws::Nothing,
-        selects: None,
     },
     Recipe {
         template: "brows",
@@ -180,14 +174,15 @@ pub(crate) const ALL: [Recipe; 17] = [
         tip: "Eyebrows in a region of their own, whose outline you can draw anew.",
         action: "recipe.brows",
         draws: Draws::Nothing,
-        selects: None,
     },
 ];
 
 /// A recipe as it is put into a document.
 pub(crate) struct RecipeEdits {
-    /// The node that the pen draws into; where it draws nothing, the one to be selected.
-    pub(crate) node: NodeId,
+    /// The node that holds its inputs, to be selected.
+    pub(crate) inputs: NodeId,
+    /// The node that the pen draws into, where it draws.
+    pub(crate) drawn: Option<NodeId>,
     /// All of it.
     pub(crate) edits: Vec<Edit>,
 }
@@ -236,6 +231,8 @@ impl Recipe {
             template::add(document, &template, Placement { drawn, at, ..Placement::default() })?;
         let mut grouped = document.clone();
         added.edit.apply(&mut grouped).map_err(|err| err.to_string())?;
+        let (grouped, inputs) = groups::set_by_parameters(&grouped, &added.id, self.label)?;
+        let inputs = inputs.ok_or("it has no inputs")?;
         let (mut plain, _) = groups::ungroup(&grouped, &added.id)?;
         let after = last_seed(document);
         let is_new = |id: &NodeId| !document.nodes.contains_key(id);
@@ -246,7 +243,8 @@ impl Recipe {
                 false => follow(node, after),
             }
         }
-        move_under(document, &mut plain, &template);
+        leave_out(document, &mut plain);
+        place(document, &mut plain, &template);
         let seed = graph::free_seed(&plain);
         if let Some(node) = added.draws.as_ref().and_then(|id| plain.nodes.get_mut(id)) {
             let node = Arc::make_mut(node);
@@ -256,40 +254,82 @@ impl Recipe {
                 node.inputs.insert("mirror".to_owned(), both);
             }
         }
+        self.name_outputs(document, &mut plain);
         let kind = |id: &NodeId, kind: &str| plain.nodes[id].kind == kind;
         let outputs =
-            plain.links.iter().filter(|(to, _)| is_new(&to.node) && kind(&to.node, "groom_output"));
+            plain.links.iter().filter(|(to, _)| is_new(&to.node) && kind(&to.node, OUTPUT));
         let hair = outputs.flat_map(|(_, from)| from).find(|from| kind(&from.node, "hair_colour"));
         let hair = hair.map(|from| from.node.clone()).ok_or("it gives no hair")?;
-        let selected = self.selects.and_then(|kind_of| {
-            plain.nodes.keys().find(|id| is_new(id) && kind(id, kind_of)).cloned()
-        });
-        let node = selected.or(added.draws).unwrap_or(hair.clone());
         // With other hair all outputs are shown, or the one would hide the other.
-        let rest = document.nodes.values().any(|node| node.kind == "groom_output");
+        let rest = document.nodes.values().any(|node| node.kind == OUTPUT);
         let show = (!rest).then_some(hair);
         plain.display = None;
-        Ok(RecipeEdits { node, edits: vec![between(document, &plain), Edit::SetDisplay(show)] })
+        let edits = vec![between(document, &plain), Edit::SetDisplay(show)];
+        Ok(RecipeEdits { inputs, drawn: added.draws, edits })
+    }
+
+    /// Calls the new outputs that have no name as the recipe is, with a number where hair of that name is there already.
+    fn name_outputs(&self, document: &Document, plain: &mut Document) {
+        let stem = self.template.strip_prefix("draw_").unwrap_or(self.template);
+        let name_of = |node: &Arc<Node>| match node.inputs.get("name") {
+            Some(Setting::Known(Value::Text(name))) if node.kind == OUTPUT => Some(name.clone()),
+            _ => None,
+        };
+        let taken: BTreeSet<Arc<str>> = document.nodes.values().filter_map(name_of).collect();
+        let mut names = (1..).map(|n| match n {
+            1 => Arc::<str>::from(stem),
+            n => format!("{stem}_{n}").into(),
+        });
+        let free = names.find(|name| !taken.contains(name)).unwrap_or_else(|| stem.into());
+        let is_new = |id: &NodeId| !document.nodes.contains_key(id);
+        let new = plain.nodes.iter_mut().filter(|(id, node)| is_new(id) && node.kind == OUTPUT);
+        for (_, node) in new {
+            let name = Setting::Known(Value::Text(free.clone()));
+            Arc::make_mut(node).inputs.entry("name".to_owned()).or_insert(name);
+        }
     }
 }
 
-/// Moves what is new: its head onto the head at hand, but under everything else that is there.
-fn move_under(document: &Document, plain: &mut Document, template: &Document) {
+/// What is left out of the head at hand is left out of what is new, too; regions of their own stay these.
+fn leave_out(document: &Document, plain: &mut Document) {
+    let Some((region, edits)) = super::leave_out::region(document, false) else { return };
+    let Some(head) = graph::head_at_hand(document).filter(|_| edits.is_empty()) else { return };
+    let [from, to] = [head, region].map(|id| Socket::new(id, "scalp"));
+    let takes = |id: &NodeId| !document.nodes.contains_key(id) && !target::is_region(plain, id);
+    let taking: Vec<Socket> =
+        plain.links.keys().filter(|input| takes(&input.node)).cloned().collect();
+    for input in taking {
+        let wires = plain.links.get_mut(&input).into_iter().flatten();
+        wires.filter(|wire| **wire == from).for_each(|wire| wire.clone_from(&to));
+    }
+}
+
+/// Places what is new: its head onto the head at hand, but under everything else that is there, and no node over another.
+fn place(document: &Document, plain: &mut Document, template: &Document) {
     let head = |of: &Document| of.layout.get(&graph::head_at_hand(of)?).copied();
     let (from, to) = (head(template).unwrap_or_default(), head(document).unwrap_or_default());
     let is_new = |id: &NodeId| !document.nodes.contains_key(id);
     let known = graph::head_at_hand(document);
-    let beside = |id: &NodeId| id.group().is_none() && known.as_ref() != Some(id);
-    let theirs = document.layout.iter().filter(|(id, _)| beside(id)).map(|(_, at)| at.1);
-    let new = plain.layout.iter().filter(|(id, _)| is_new(id)).map(|(_, at)| at.1);
+    let faces = Faces::new(plain, &Reports::default(), &BTreeSet::new(), None, None);
+    let rects = || faces.all.keys().filter_map(|id| Some((id, faces.rect(id)?)));
+    let theirs = rects().filter(|(id, _)| !is_new(id) && known.as_ref() != Some(*id));
+    let lowest = theirs.map(|(_, rect)| rect.bottom()).reduce(f32::max);
+    let top = rects().filter(|(id, _)| is_new(id)).map(|(_, rect)| rect.top()).reduce(f32::min);
     let by = to.1 - from.1;
-    let down = match (theirs.reduce(f32::max), new.reduce(f32::min)) {
-        (Some(lowest), Some(top)) => by.max(lowest + target::STEP.1 - top),
-        _ => by,
-    };
-    let moved = |at: &mut Point| *at = Point(at.0 + to.0 - from.0, at.1 + down);
-    plain.layout.iter_mut().filter(|(id, _)| is_new(id)).for_each(|(_, at)| moved(at));
+    let down = lowest.zip(top).map_or(by, |(lowest, top)| by.max(lowest + 2.0 * GAP.y - top));
+    let shift = vec2(to.0 - from.0, down);
+    let mut taken: Vec<Rect> = rects().filter(|(id, _)| !is_new(id)).map(|(_, it)| it).collect();
+    let mut new: Vec<(&NodeId, Rect)> = rects().filter(|(id, _)| is_new(id)).collect();
+    new.sort_by(|(_, a), (_, b)| {
+        (a.top(), a.left()).partial_cmp(&(b.top(), b.left())).unwrap_or(Ordering::Equal)
+    });
+    for (id, rect) in new {
+        let at = free_place(&taken, rect.min + shift, rect.size());
+        taken.push(Rect::from_min_size(at, rect.size()));
+        plain.layout.insert(id.clone(), point(at));
+    }
     let bends = plain.bends.iter_mut().filter(|(to, _)| is_new(&to.node));
+    let moved = |at: &mut Point| *at = Point(at.0 + shift.x, at.1 + shift.y);
     bends.flat_map(|(_, wires)| wires).flatten().for_each(moved);
 }
 
@@ -312,7 +352,6 @@ mod tests {
     use crate::core::state::Select;
     use crate::rooms::pen::tests::{Table, draw_on, head, row};
     use egui::Pos2;
-    use std::collections::BTreeSet;
 
     fn table_with(recipe: &Recipe) -> Table {
         let mut table = draw_on(head());
@@ -374,14 +413,14 @@ mod tests {
     }
 
     #[test]
-    fn loose_hair_is_there_in_one_step_with_its_colour_selected() {
+    fn loose_hair_is_there_in_one_step_with_its_inputs_selected() {
         let mut table = table_with(&ALL[14]);
         table.rest();
         let shown = table.editor().state.shown.clone().expect("a result");
         assert!(shown.curves.curve_count() > 5000, "{}", shown.curves.curve_count());
         let state = &table.editor().state;
         let active = state.active().and_then(|id| state.document.node(id.as_str()));
-        assert_eq!(active.map(|node| node.kind.as_str()), Some("hair_colour"));
+        assert_eq!(active.map(|node| node.kind.as_str()), Some("parameters"));
         table.editor().apply(Event::Undo);
         assert_eq!(table.editor().state.document, head());
         for recipe in ALL.iter().filter(|recipe| !recipe.is_drawn()) {
@@ -392,9 +431,8 @@ mod tests {
             assert!(problems.is_empty(), "{}: {problems:?}", recipe.label);
             let output = document.links.iter().find(|(to, _)| to.node.as_str() == "out").unwrap();
             assert_eq!(document.display, Some(output.1[0].node.clone()), "{}", recipe.label);
-            let active = document.node(made.node.as_str()).map(|node| node.kind.as_str());
-            let tied = recipe.selects.is_some();
-            assert_eq!(active, Some(if tied { "gather" } else { "hair_colour" }));
+            let inputs = document.node(made.inputs.as_str());
+            assert_eq!(inputs.and_then(|node| node.label.as_deref()), Some(recipe.label));
             let kinds: Vec<&str> = document.nodes.values().map(|node| node.kind.as_str()).collect();
             for kind in ["hair_colour", "head"] {
                 let count = kinds.iter().filter(|it| **it == kind).count();
@@ -423,6 +461,9 @@ mod tests {
             table.step();
             table.step();
             assert_eq!(outputs(&mut table), (expected, true), "{words}");
+            let nodes = table.editor().state.document.nodes.clone();
+            let inputs = nodes.values().filter(|node| node.kind == "parameters").count();
+            assert_eq!(inputs, expected, "{words}: hair goes with its inputs");
             assert!(table.harness.query_by_label("Instead").is_none());
             if words != "Cancel" {
                 assert_eq!(table.done(), 2, "one step");
@@ -477,10 +518,195 @@ mod tests {
         let mut document = document;
         Edit::Several(edits).apply(&mut document).unwrap();
         let rows = ALL[2].edits(&document, Some(&strokes), false).unwrap();
-        assert_eq!(rows.node, strokes);
+        assert_eq!(rows.drawn.as_ref(), Some(&strokes));
         let fresh = ALL[2].edits(&head(), None, true).unwrap();
         let mut document = head();
         Edit::Several(fresh.edits).apply(&mut document).unwrap();
-        assert_eq!(target::choice(&document, &fresh.node, "mirror").as_deref(), Some("both"));
+        let drawn = fresh.drawn.expect("strokes");
+        assert_eq!(target::choice(&document, &drawn, "mirror").as_deref(), Some("both"));
+    }
+
+    /// What a recipe is drawn into holds what its template's file has drawn there.
+    fn as_drawn(recipe: &Recipe, document: &mut Document, into: &NodeId) {
+        let text = grooms::TEMPLATES.iter().find(|(name, _)| *name == recipe.template);
+        let template = library::shipped(text.unwrap().1).unwrap().document;
+        let kind = document.nodes[into].kind.clone();
+        let theirs = template.nodes.values().find(|node| node.kind == kind).expect(recipe.label);
+        let drawn = theirs.inputs.iter().filter(|(_, setting)| {
+            matches!(setting, Setting::Known(Value::Strokes(_) | Value::Gestures(_)))
+        });
+        let node = Arc::make_mut(document.nodes.get_mut(into).unwrap());
+        let before = node.inputs.len();
+        node.inputs.extend(drawn.map(|(name, value)| (name.clone(), value.clone())));
+        assert!(node.inputs.len() > before, "{}: something is drawn", recipe.label);
+    }
+
+    /// How a recipe's input is turned: amounts become small, so that the rest is quick.
+    fn turned(port: &coif_nodes::declared::Port) -> Value {
+        use coif_nodes::define::Type;
+        let (lo, hi) = port.soft.or(port.hard).unwrap_or((0.0, 1.0));
+        let now = port.default.clone();
+        match (port.ty, now) {
+            (Type::Int, Some(Value::Int(n))) => {
+                Value::Int(if n as f64 > lo { n - 1 } else { n + 1 })
+            }
+            (Type::Vec3, Some(Value::Vec3(at))) => {
+                Value::Vec3(at + glam::Vec3::new(0.4, 0.3, -0.2))
+            }
+            (Type::Float | Type::Field, Some(value)) => {
+                let x = match value {
+                    Value::Float(x) => f64::from(x),
+                    Value::Field(field) => field.constant().map_or(0.5 * (lo + hi), f64::from),
+                    _ => 0.5 * (lo + hi),
+                };
+                // Most of the way to the farther end.
+                let end = if x - lo > hi - x { lo } else { hi };
+                Value::Float((x + 0.75 * (end - x)) as f32)
+            }
+            other => panic!("{}: {other:?}", port.name),
+        }
+    }
+
+    #[test]
+    fn every_recipe_says_its_length_or_size_and_its_amount_of_hair_first_and_each_input_changes_the_hair()
+     {
+        const SIZES: [&str; 3] = ["length", "size", "width"];
+        const AMOUNTS: [(&str, f64); 4] =
+            [("count", 400.0), ("density", 20.0), ("hairs", 8.0), ("strands", 40.0)];
+        for recipe in &ALL {
+            let mut table = draw_on(head());
+            table.editor().act(recipe.action);
+            table.step();
+            // The inspector shows them: they are active at once.
+            let active = table.editor().state.active().cloned().expect(recipe.label);
+            let mut document = table.editor().state.document.clone();
+            let node = document.nodes[&active].clone();
+            assert_eq!((&*node.kind, node.label.as_deref()), ("parameters", Some(recipe.label)));
+            let ports = node.interface.expect("ports").inputs();
+            let names: Vec<&str> = ports.iter().map(|port| port.name.as_str()).collect();
+            assert!(SIZES.contains(&names[0]), "{}: {names:?}", recipe.label);
+            let amount = ports.iter().find_map(|port| {
+                let (_, few) = AMOUNTS.iter().find(|(name, _)| *name == port.name)?;
+                // Of braids the strands are no amount.
+                (port.default.as_ref().is_some_and(|it| !matches!(it, Value::Int(n) if *n < 20)))
+                    .then_some((port, *few))
+            });
+            let (amount, few) = amount.unwrap_or_else(|| panic!("{}: {names:?}", recipe.label));
+            for port in ports {
+                let has_range = port.hard.is_some() || port.ty == coif_nodes::define::Type::Vec3;
+                assert!(has_range && port.default.is_some(), "{}: {}", recipe.label, port.name);
+                assert!(
+                    port.doc.len() > 10 && port.doc.ends_with('.'),
+                    "{}: {}",
+                    recipe.label,
+                    port.name
+                );
+            }
+            if let Some(pinned) = table.editor().state.pinned.clone() {
+                as_drawn(recipe, &mut document, &pinned);
+            }
+            let few = match amount.ty {
+                coif_nodes::define::Type::Int => Value::Int(few as i64),
+                _ => Value::Float(few as f32),
+            };
+            let set = |document: &mut Document, name: &str, value: Value| {
+                let (node, input, setting) =
+                    (active.clone(), name.to_owned(), Setting::Known(value));
+                Edit::SetInput { node, input, setting }.apply(document).expect(name);
+            };
+            set(&mut document, &amount.name, few);
+            let mut seen = |document: &Document| {
+                let edit = between(&table.editor().state.document, document);
+                table.editor().apply(Event::Edit(edit));
+                table.rest();
+                let shown = table.editor().state.shown.clone().expect("a result");
+                assert!(shown.curves.curve_count() > 20, "{}", recipe.label);
+                shown.curves.key()
+            };
+            let as_made = seen(&document);
+            for port in ports {
+                let mut turned_one = document.clone();
+                let value = match port.name == amount.name {
+                    true => match document.nodes[&active].inputs.get(&port.name) {
+                        Some(Setting::Known(Value::Int(n))) => Value::Int(n * 2),
+                        Some(Setting::Known(Value::Float(x))) => Value::Float(x * 2.0),
+                        other => panic!("{other:?}"),
+                    },
+                    false => turned(port),
+                };
+                set(&mut turned_one, &port.name, value);
+                assert_ne!(seen(&turned_one), as_made, "{}: {}", recipe.label, port.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_saved_groom_of_a_recipe_takes_its_inputs_on_the_command_line() {
+        let mut document = head();
+        let made = ALL[8].edits(&document, None, false).unwrap();
+        Edit::Several(made.edits).apply(&mut document).unwrap();
+        let text = coif_graphs::file::write(&document);
+        let read = coif_graphs::file::read(&text).unwrap();
+        assert!(read.warnings.is_empty() && read.document == document, "{:?}", read.warnings);
+        // Two of a kind: each has its own, and the second its name in files.
+        let made = ALL[8].edits(&document, None, false).unwrap();
+        Edit::Several(made.edits).apply(&mut document).unwrap();
+        let parameters: Vec<&str> = document
+            .nodes
+            .iter()
+            .filter(|(_, n)| n.kind == "parameters")
+            .map(|(id, _)| id.as_str())
+            .collect();
+        assert_eq!(parameters, ["parameters", "parameters_2"]);
+        let outputs = crate::jobs::evaluate::outputs(&document, &[]).ok().expect("outputs");
+        let groups: Vec<&str> = outputs.iter().map(|output| output.group.as_str()).collect();
+        assert_eq!(groups, ["bob", "bob_2"]);
+    }
+
+    #[test]
+    fn nodes_of_a_recipe_cover_no_other_node() {
+        let cornrows =
+            coif_graphs::file::read(grooms::by_name("cornrows").unwrap()).unwrap().document;
+        for recipe in &ALL {
+            let mut document = cornrows.clone();
+            for _ in 0..2 {
+                let made = recipe.edits(&document, None, false).expect(recipe.label);
+                Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
+            }
+            let faces = Faces::new(&document, &Reports::default(), &BTreeSet::new(), None, None);
+            let rects: Vec<Rect> = faces.all.keys().filter_map(|id| faces.rect(id)).collect();
+            assert_eq!(rects.len(), document.nodes.len());
+            for (i, a) in rects.iter().enumerate() {
+                assert!(rects[..i].iter().all(|b| !a.intersects(*b)), "{}", recipe.label);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_of_a_head_stays_so_under_other_hair() {
+        let mut document = head();
+        let apply = |document: &mut Document, edits: Vec<Edit>| {
+            Edit::Several(edits).apply(document).expect("it is made");
+        };
+        let made = ALL[8].edits(&document, None, false).unwrap();
+        apply(&mut document, made.edits);
+        let (bare, edits) = crate::rooms::pen::leave_out::region(&document, false).unwrap();
+        apply(&mut document, edits);
+        for recipe in [&ALL[7], &ALL[15]] {
+            let made = recipe.instead(&document, false).unwrap();
+            let mut document = document.clone();
+            apply(&mut document, made.edits);
+            let head = graph::head_at_hand(&document).unwrap();
+            let reads = |from: &NodeId| {
+                let readers = document.links.iter();
+                let readers = readers.filter(|(_, wires)| wires.iter().any(|w| w.node == *from));
+                readers
+                    .map(|(to, _)| document.nodes[&to.node].kind.as_str())
+                    .collect::<BTreeSet<_>>()
+            };
+            // A beard's own region is where it is.
+            assert_eq!(reads(&head), ["region"].into(), "{}", recipe.label);
+            assert_eq!(reads(&bare).is_empty(), recipe.grows_elsewhere(), "{}", recipe.label);
+        }
     }
 }

@@ -646,10 +646,8 @@ fn a_stroke_that_becomes_no_hair_lies_on_no_node_hides_no_hair_and_says_so() {
     let outputs = document.nodes.values().filter(|node| node.kind == "groom_output").count();
     assert_eq!((outputs, &document.display), (2, &None));
     // Few hairs will do.
-    for node in document.nodes.values_mut().filter(|node| node.kind == "interpolate") {
-        let inputs = &mut Arc::make_mut(node).inputs;
-        inputs.insert("by".into(), Setting::Known(Value::Text("count".into())));
-        inputs.insert("count".into(), Setting::Known(Value::Int(300)));
+    for node in document.nodes.values_mut().filter(|node| node.kind == "parameters") {
+        Arc::make_mut(node).inputs.insert("count".into(), Setting::Known(Value::Int(300)));
     }
     let mut table = draw_on(document);
     table.draw(&row(300.0));

@@ -226,7 +226,7 @@ fn made(scene: &Scene, after: Option<&Socket>) -> Result<(NodeId, Vec<Edit>), &'
         Some(after) => target::make(document, after),
         None => {
             let made = super::recipes::ALL[super::recipes::SKETCH].edits(document, None, false);
-            made.ok().map(|made| (made.node, made.edits))
+            made.ok().and_then(|made| Some((made.drawn?, made.edits)))
         }
     };
     made.ok_or("there is no head to sketch on: add a head to the graph")

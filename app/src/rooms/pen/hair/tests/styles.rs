@@ -372,7 +372,7 @@ fn ponytail() -> (Document, f64) {
     }
     hand.between(50_000);
     hand.document(
-        "Sketched pony tail",
+        "Sketched ponytail",
         "Clusters drawn to a tie, pinned there, and lengthened to a tail.",
     )
 }
