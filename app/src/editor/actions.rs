@@ -4,7 +4,6 @@ use super::Editor;
 use crate::core::action::{Action, ActionInfo, Can, Of};
 use crate::core::event::{Event, Window};
 use crate::core::room::Room;
-use crate::core::templates::TemplateEvent;
 use crate::rooms::canvas::{self, Canvas};
 use crate::rooms::pen::{self, Pen};
 use crate::rooms::viewport::{self, Viewport};
@@ -118,18 +117,6 @@ macro_rules! show_room {
 
 /// What belongs to no room.
 const ACTIONS: &[Own] = &[
-    Action {
-        id: "template.save",
-        label: "Save as template…",
-        tip: "Make a template of the selected group or nodes, or of the whole groom: name, inputs, picture, folder.",
-        words: "template new preset asset library share export recipe",
-        menu: "File",
-        when: |editor| match editor.state.document.nodes.is_empty() {
-            true => Err("there are no nodes"),
-            false => Ok(()),
-        },
-        run: |_, out| out.push(Event::Templates(TemplateEvent::Save)),
-    },
     Action {
         id: "edit.undo",
         label: "Undo",

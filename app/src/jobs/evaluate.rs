@@ -444,7 +444,10 @@ fn wanted(document: &Document, socket: Socket) -> OutputRequest {
     let set = |name: &str| output.and_then(|node| node.inputs.get(name));
     let group = match set("name") {
         Some(Setting::Known(Value::Text(name))) if !name.is_empty() => name.to_string(),
-        _ => socket.node.to_string(),
+        _ => {
+            let label = output.and_then(|node| node.label.clone());
+            label.unwrap_or_else(|| socket.node.to_string())
+        }
     };
     let guides = matches!(set("guides"), Some(Setting::Known(Value::Bool(true))));
     OutputRequest { socket, group, guides }

@@ -3,6 +3,7 @@
 use crate::core::action::{Action, Can};
 use crate::core::documents::{DocumentEvent, Purpose};
 use crate::core::event::Event;
+use crate::core::templates::TemplateEvent;
 use crate::editor::Editor;
 use crate::editor::actions::{Own, always};
 
@@ -81,6 +82,18 @@ pub(crate) const ACTIONS: &[Own] = &[
         menu: "File",
         when: always,
         run: |_, out| file(DocumentEvent::Ask(Purpose::Save), out),
+    },
+    Action {
+        id: "template.save",
+        label: "Save as template…",
+        tip: "Make a template of the selected group or nodes, or of the whole groom: name, inputs, picture, folder.",
+        words: "template new preset asset library share export recipe",
+        menu: "File",
+        when: |editor| match editor.state.document.nodes.is_empty() {
+            true => Err("there are no nodes"),
+            false => Ok(()),
+        },
+        run: |_, out| out.push(Event::Templates(TemplateEvent::Save)),
     },
     Action {
         id: "file.export",
