@@ -555,6 +555,10 @@ pub struct FieldInput {
 }
 
 impl FieldInput {
+    /// The same number everywhere, for a node's own use.
+    pub(crate) fn everywhere(x: f32) -> Self {
+        Self { field: Arc::new(Field::Constant(x)), range: (x, x), unit: 1.0 }
+    }
     /// The field on the curves of a tuft; masks need the scalp.
     pub fn on<'a>(
         &'a self,
@@ -570,7 +574,7 @@ impl FieldInput {
         tuft: &'a crate::data::curves::Tuft,
         scalp: Option<&TracedScalp>,
     ) -> Result<crate::data::field::Sampler<'a>, NodeError> {
-        self.on(tuft, scalp.map(TracedScalp::for_fields))
+        self.on(tuft, scalp.map(TracedScalp::whole))
     }
     /// Whether it is the attribute of this name and nothing else.
     pub fn is_attribute(&self, name: &str) -> bool {

@@ -4,12 +4,17 @@
 //! then a root, a short random walk and one multiplication a point. Guarantees: raising the density only
 //! adds strands; only a twisted cluster's strands have more CVs than `points`, and then at most 255; a strand never leaves the radius in the plane across its cluster; no point ends under the
 //! skin by more than `allow_depth` (points, not the chords between them); roots lie on the scalp, on a parted one in
-//! the section of the cluster's, and so do strands as far along as the cluster itself does. Not
+//! the section of the cluster's, and so do strands as far along as the cluster itself does; with `fill` roots are as even over the
+//! region as between guides ([`super::cells`]), and strands rooted beside the disc join the tube within some of its radii. Not
 //! promised: that strands keep clear of each other, or that points of strands pushed off the skin or
 //! frizzed are as evenly spaced as the cluster's.
 
 use super::bias::end_on_plane;
-use super::cross_sections::{CrossSection, CrossSections, open_radius, widest_radius};
+use super::cells::{CellParams, Cells};
+use super::cross_sections::{
+    CrossSection, CrossSections, FilledTube, RootPlace, open_radius, widest_radius,
+};
+use super::plan::PlannedHair;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FLATNESS, FRIZZ, ID, PARENT, RADIUS,
     ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
@@ -17,19 +22,20 @@ use crate::data::attributes::{
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
 use crate::data::route::makers::{clear, lift, lift_each};
-use crate::data::scalp::Skin;
+use crate::data::scalp::{Scalp, Skin};
 use crate::define::{FieldInput, NodeError, node};
 use crate::eval::{EvalCx, Piece, Size, TracedScalp};
-use crate::maths::hash::{Dice, curve_id};
+use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::disc;
 use crate::maths::random_walk::random_walk;
 use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 
 node! {
     /// Fills clusters with hair: strands rooted on the scalp around each cluster's root, which run within its radius to the
     /// tip.
     ///
-    /// Density fills the cluster; frizz makes each strand deviate at random. Editing a cluster rebuilds only its own strands; a
+    /// Density fills the cluster; fill shares out the skin between clusters; frizz makes each strand deviate at random. Editing a cluster rebuilds only its own strands; a
     /// higher density only adds strands. Clump, Length and Stray work on what comes out.
     "cluster_to_strands", version 2, label "Cluster to strands",
         words "fill wisp lock locs dreadlocks frizz generate hair strands multiplier sketch twist rope density tube", thins, scales;
@@ -49,6 +55,10 @@ node! {
         /// it along the cluster.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
+        /// How far beyond its disc hair is rooted, so that no gap between clusters and to the hairline stays bald: each place of the
+        /// skin goes to the cluster rooted nearest, in its own section. 0: discs alone.
+        fill: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 5.0), unit(Length), words("gaps bald between whole region cover reach hairline"),
+            idle(|of| matches!(of("count"), Some(Value::Int(1..))).then_some("an exact number of strands is rooted in the disc"));
         /// Diameter of the hair. Set width tapers it.
         width: f32 = 0.008, hard(0.0001, 1.0), soft(0.002, 0.05), unit(Length), fixed(), words("thickness diameter");
         /// Random deviation of strands within the cluster: 0 keeps them parallel, 1 lets them cross it in one step.
@@ -104,22 +114,31 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         0 => unit * (0.5 / (inputs.strands as f32 * density)).sqrt(),
         _ => 0.0,
     };
-    // Beforehand: of all clusters, the radius, density and strands of that which asks for most, and how many all ask for.
-    let (mut most, mut all) = ((0.0, 0.0, 0.0), 0.0);
+    // Beforehand: of all clusters, the radius, density and strands of that which asks for most.
+    let mut most = (0.0, 0.0, 0.0);
     // Clusters whose root is nearly closed, and of one of them the radius and strands there and where it is widest.
     let (mut thin, mut example) = (0, None);
+    let fills = (inputs.fill > 0.0 && inputs.count == 0).then_some(inputs.scalp.as_ref()).flatten();
+    // What each cluster asks of a cell, and how many strands it has in its disc.
+    let mut asked: Vec<(CellParams, f32)> = vec![];
     for tuft in inputs.curves.tufts() {
         cx.check()?;
         let scalp = inputs.scalp.as_ref();
         let radius = inputs.radius.on_traced(tuft, scalp)?;
         let density = inputs.density.on_traced(tuft, scalp)?;
-        for curve in (0..tuft.len()).filter(|curve| !tuft.curve(*curve).is_empty()) {
+        for curve in 0..tuft.len() {
+            if tuft.curve(curve).is_empty() {
+                asked.push(Default::default());
+                continue;
+            }
             let density = density.at(curve, tuft.range(curve).start, 0.0);
             let least = least(density);
             let last = (tuft.range(curve).len() - 1).max(1) as f32;
             let u = |cv: usize| cv as f32 / last;
             let open = open_radius(tuft, curve, &radius, least, u);
             let strands = strands_in(density, open);
+            let per_cm2 = strands_in(density, unit) / (PI * unit * unit);
+            asked.push((CellParams { density: per_cm2, radius: open }, strands));
             if (0.5..FEW).contains(&strands) {
                 let widest = widest_radius(tuft, curve, &radius, u);
                 let there = strands_in(density, widest);
@@ -131,12 +150,24 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             if strands > most.2 || open >= most.0 && most.2 == 0.0 {
                 most = (open, density, strands);
             }
-            // What asks for more is left out.
-            if strands <= MOST && strands * inputs.points as f32 <= MOST_POINTS {
-                all += cx.makes(strands.round() as usize) as f64;
-            }
         }
     }
+    let cells = match fills {
+        Some(scalp) => {
+            let asked: Vec<CellParams> = asked.iter().map(|(asked, _)| *asked).collect();
+            let settings = (inputs.fill, inputs.points as usize, inputs.seed);
+            Cells::new(cx, &inputs.curves, scalp.whole(), settings, &asked)?
+        }
+        None => Cells::default(),
+    };
+    let wanted = |number: usize| match cells.of(number) {
+        Some(cell) => cell.count() as f32,
+        None => asked[number].1,
+    };
+    // What asks for more is left out.
+    let may_be = |strands: &f32| *strands <= MOST && strands * inputs.points as f32 <= MOST_POINTS;
+    let all = (0..asked.len()).map(wanted).filter(may_be);
+    let all: f64 = all.map(|strands| cx.makes(strands.round() as usize) as f64).sum();
     let points = inputs.points as f64;
     let size = match inputs.count {
         0 => Size::of(&[("strands of all clusters", all), ("points", points)]),
@@ -167,7 +198,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         ));
     }
     let placed = cx.by_place(inputs.scalp.as_ref());
-    let [curves] = placed.each_curve(&inputs.curves, &size, |tuft, curve, piece| {
+    let clusters: Vec<(&Tuft, usize)> = inputs.curves.each().collect();
+    let key = |number: usize| {
+        let (tuft, curve) = clusters[number];
+        let key = KeyBuilder::new("cluster").key(tuft.key()).int(curve as u64);
+        match cells.of(number) {
+            Some(cell) => key.key(cell.key).finish(),
+            None => key.finish(),
+        }
+    };
+    let [curves] = placed.each_item(clusters.len(), &size, key, |number, piece| {
+        let (tuft, curve) = clusters[number];
         let (id, scalp) = (tuft.id(curve), piece.scalp());
         let mut left_out = |why: &str| {
             piece.trouble(id, why);
@@ -186,7 +227,11 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             Ok(sections) => sections,
             Err(fault) => return left_out(&fault.to_string()),
         };
-        let wanted = strands_in(density, sections.root_radius);
+        let cell = cells.of(number);
+        let wanted = match cell {
+            Some(cell) => cell.count() as f32,
+            None => strands_in(density, sections.root_radius),
+        };
         if wanted > MOST {
             return left_out("a cluster that asks for more than 262144 strands was left out");
         }
@@ -199,7 +244,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             piece.trouble(id, COARSE);
         }
         let count = cx.thinned(wanted.round() as usize);
-        let mut strands = filler.fill(id, count, &sections, piece)?;
+        let mut strands = match cell {
+            Some(cell) => {
+                let tube = sections.filled_by(&cell.shape);
+                let root = |hair| filler.root_in_cell(id, hair, &tube, &sections);
+                filler.fill(cells.roots(cell, count).map(root), &sections, piece)?
+            }
+            None => {
+                let root = |i| filler.root_in_disc(id, i, &sections, scalp);
+                filler.fill((0..count as u32).map(root), &sections, piece)?
+            }
+        };
         inherit(&mut strands, tuft, curve, &sections, inputs.width);
         Ok([strands.build()])
     })?;
@@ -215,18 +270,65 @@ struct Filler<'a> {
     skin: Option<Skin<'a>>,
 }
 
+/// Where a strand begins.
+struct StrandRoot {
+    id: u64,
+    point: Vec3,
+    place: RootPlace,
+    /// Triangle, and barycentric and texture coordinates, on a head.
+    bound: Option<(u32, Vec2, Vec2)>,
+}
+
 impl Filler<'_> {
-    /// The first `count` strands of a cluster.
-    fn fill(
+    /// The `i`-th root in the disc of a cluster.
+    fn root_in_disc(
         &self,
         cluster: u64,
-        count: usize,
+        i: u32,
+        sections: &CrossSections,
+        scalp: Option<&Scalp>,
+    ) -> StrandRoot {
+        let shift = [self.roots.unit(cluster, 0), self.roots.unit(cluster, 1)];
+        let q = Vec2::from(disc(i, shift));
+        let mut point = sections.root + sections.disc[0] * q.x + sections.disc[1] * q.y;
+        let mut bound = None;
+        if let (Some(skin), Some(scalp)) = (&self.skin, scalp)
+            && let Some(hit) = skin.closest(point)
+        {
+            let on_scalp = scalp.root(hit.triangle, hit.bary);
+            let on_scalp = scalp.kept_in_section(sections.root, on_scalp);
+            point = on_scalp.point;
+            bound = Some((on_scalp.triangle, on_scalp.bary, on_scalp.uv));
+        }
+        let id = curve_id(cluster, self.seed as u64, u64::from(i));
+        StrandRoot { id, point, place: RootPlace::within(q), bound }
+    }
+
+    /// A root in the cell of a cluster.
+    fn root_in_cell(
+        &self,
+        cluster: u64,
+        hair: &PlannedHair,
+        tube: &FilledTube,
+        sections: &CrossSections,
+    ) -> StrandRoot {
+        StrandRoot {
+            id: curve_id(cluster, self.seed as u64, hair.name),
+            point: hair.point,
+            place: sections.place(hair.point, tube),
+            bound: Some((hair.triangle, hair.bary, hair.uv)),
+        }
+    }
+
+    /// The strands of a cluster that begin at these roots.
+    fn fill(
+        &self,
+        roots: impl ExactSizeIterator<Item = StrandRoot>,
         sections: &CrossSections,
         piece: &mut Piece,
     ) -> Result<TuftBuilder, NodeError> {
         let (scalp, skin) = (piece.scalp(), self.skin.as_ref().filter(|_| self.push));
-        let each = sections.at.len();
-        let shift = [self.roots.unit(cluster, 0), self.roots.unit(cluster, 1)];
+        let (each, count) = (sections.at.len(), roots.len());
         let mut points: Vec<Vec3> = Vec::with_capacity(count * each);
         let mut ids = Vec::with_capacity(count);
         let mut triangles = Vec::with_capacity(count);
@@ -243,42 +345,29 @@ impl Filler<'_> {
         let at_home = home.map_or(1, |home| {
             1 + sections.at[1..].iter().take_while(|section| home.holds(section.centre)).count()
         });
-        for i in 0..count {
+        for StrandRoot { id, point: root, place, bound } in roots {
             piece.tick()?;
-            let id = curve_id(cluster, self.seed as u64, i as u64);
             ids.push(id);
-            let q = Vec2::from(disc(i as u32, shift));
-            let mut root = sections.root + sections.disc[0] * q.x + sections.disc[1] * q.y;
-            if let (Some(skin), Some(scalp)) = (&self.skin, scalp)
-                && let Some(hit) = skin.closest(root)
-            {
-                let on_scalp = scalp.root(hit.triangle, hit.bary);
-                let on_scalp = scalp.kept_in_section(sections.root, on_scalp);
-                root = on_scalp.point;
-                triangles.push(on_scalp.triangle as i32);
-                barys.push(on_scalp.bary);
-                uvs.push(on_scalp.uv);
+            if let Some((triangle, bary, uv)) = bound {
+                triangles.push(triangle as i32);
+                barys.push(bary);
+                uvs.push(uv);
             }
             let first = points.len();
             points.push(root);
-            random_walk(self.walk, id, q, &sections.steps, &mut walk);
+            random_walk(self.walk, id, place.across, &sections.steps, &mut walk);
             let walked = |section: &CrossSection| {
                 let [a, b, c] = section.weights;
                 match walk.get(section.knot..section.knot + 3) {
                     Some([before, here, after]) if wanders => *before * a + *here * b + *after * c,
-                    _ => q,
+                    _ => place.across,
                 }
             };
             if sinks {
                 depths.extend(sections.at.iter().map(|section| section.depth));
             }
             points.extend(sections.at[1..].iter().map(|section| {
-                let d = walked(section);
-                let mut p = section.centre + section.x * d.x + section.y * d.y;
-                if section.root_share > 0.0 {
-                    p = section.on_the_way(root - sections.root, p);
-                }
-                p
+                section.point(&place, sections.root_radius, root - sections.root, walked(section))
             }));
             let strand = &mut points[first..];
             if let Some(skin) = skin {

@@ -1,20 +1,26 @@
 //! Cross-sections of a cluster at the CVs of its strands, computed once for all strands.
 
+use super::cells::CellMoments;
 use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, FLATNESS, NORMAL, ROLL, SCALP_NORMAL};
 use crate::data::curves::{AttributeView, MOST_A_CURVE, Tuft};
 use crate::data::field::Sampler;
 use crate::data::scalp::{Scalp, Skin};
 use crate::maths::frame::{Frame, across, any_normal, carry, frames};
 use crate::maths::random_walk::smooth;
+use crate::maths::smoothstep;
 use crate::maths::spline::{CurveFault, Spline, SplineParam};
 use crate::maths::transcendental::{atan2, sin_cos};
-use glam::Vec3;
+use glam::{Mat2, Vec2, Vec3};
 
 /// Largest rotation of the cross-section between two CVs of a strand, degrees.
 const TURN: f32 = 30.0;
 /// Strands reach the plane across the cluster within this many radii from the root. With less, strands rooted in front of a
 /// cluster that leaves at a flat angle would have to run back.
 const REACH: f32 = 1.25;
+/// Strands that are rooted beside the disc have joined the tube after this many times their distance from it.
+const JOINS: f32 = 3.0;
+/// Added to the mean square of a cell each way, in radii, so that one which is no wider than a line fills part of the tube.
+const THIN: f32 = 1e-3;
 /// Largest number of steps of the random walk along a cluster.
 const MOST_STEPS: f32 = 4096.0;
 
@@ -39,6 +45,11 @@ pub(super) struct CrossSections {
     pub cut: Option<(Vec3, Vec3)>,
     /// Half axes of the disc of roots in the scalp's tangent plane, cm.
     pub disc: [Vec3; 2],
+    /// The same of the disc before it is flattened.
+    round: [Vec3; 2],
+    /// The thin axis of the cross-section, and how upright the cluster leaves the skin: 0 along it, 1 straight up.
+    thin: Vec2,
+    upright: f32,
     /// One per CV of a strand; that of the root is unused.
     pub at: Vec<CrossSection>,
     /// Largest step of the walk to each of its knots, in radii; empty without frizz.
@@ -61,20 +72,54 @@ pub(super) struct CrossSection {
     pub weights: [f32; 3],
     /// Allowed depth of the CV under the skin, cm.
     pub depth: f32,
-    /// Fraction of the root's offset that remains here.
-    pub root_share: f32,
+    /// Distance along the cluster, cm.
+    along: f32,
     tangent: Vec3,
     pub radius: f32,
 }
 
+/// Where a strand is rooted, in radii of the cluster's disc.
+#[derive(Clone, Copy)]
+pub(super) struct RootPlace {
+    /// Its place across the tube.
+    pub across: Vec2,
+    /// How far beside the tube it begins.
+    pub beside: Vec2,
+    /// Its distance from the cluster's root; 1 at least.
+    pub far: f32,
+}
+
+/// How a cell fills a tube: see [`CrossSections::filled_by`].
+pub(super) struct FilledTube {
+    middle: Vec2,
+    inverse: Mat2,
+}
+
+impl RootPlace {
+    /// In the disc.
+    pub(super) fn within(across: Vec2) -> Self {
+        Self { across, beside: Vec2::ZERO, far: 1.0 }
+    }
+}
+
 impl CrossSection {
-    /// A point on the way from the root, `offset` from the cluster's root, to `p` in the plane across; no farther from the centre
-    /// line than the radius.
+    /// The point of a strand at `d` across the tube (in radii), rooted `offset` from the cluster's root. It is no farther from the
+    /// centre line than the radius, or than its root was.
     #[inline]
-    pub(super) fn on_the_way(&self, offset: Vec3, p: Vec3) -> Vec3 {
-        let blended = (p - self.centre).lerp(offset, self.root_share);
+    pub(super) fn point(&self, place: &RootPlace, root_radius: f32, offset: Vec3, d: Vec2) -> Vec3 {
+        let mut d = d;
+        if place.beside != Vec2::ZERO {
+            let far = place.beside.length() * root_radius;
+            d += place.beside * (1.0 - smoothstep(self.along / (JOINS * far)));
+        }
+        let p = self.centre + self.x * d.x + self.y * d.y;
+        let share = (1.0 - self.along / (REACH * root_radius * place.far).max(1e-6)).max(0.0);
+        if share <= 0.0 {
+            return p;
+        }
+        let blended = (p - self.centre).lerp(offset, share);
         let along = self.tangent * blended.dot(self.tangent);
-        self.centre + along + (blended - along).clamp_length_max(self.radius)
+        self.centre + along + (blended - along).clamp_length_max(self.radius * place.far)
     }
 }
 
@@ -150,19 +195,59 @@ impl CrossSections {
                     knot,
                     weights,
                     depth: between(place, |cv| depth.at(curve, cvs.start + cv)),
-                    root_share: (1.0 - u * length / (REACH * root_radius).max(1e-6)).max(0.0),
+                    along: u * length,
                     tangent: frame.tangent,
                     radius,
                 }
             })
             .collect();
-        let disc = [upright.normal * root_radius, upright.binormal() * root_radius];
-        let disc = flat.pressed(disc, thin(places[0]));
+        let round = [upright.normal * root_radius, upright.binormal() * root_radius];
+        let disc = flat.pressed(round, thin(places[0]));
         let steps = if steps.iter().all(|s| *s <= 0.0) { vec![] } else { steps };
         let sinks = matches!(depth, AttributeView::Point(all) if all[cvs.clone()].iter().any(|depth| *depth > 0.0));
         let cut = tuft.view(CUT).at(curve, cvs.start).try_normalize();
         let cut = cut.map(|normal| (tuft.curve(curve)[cvs.len() - 1], normal));
-        Ok(Self { root, cut, root_radius, disc, at, steps, places, coarse, sinks })
+        Ok(Self {
+            root,
+            cut,
+            root_radius,
+            disc,
+            round,
+            thin: Vec2::from(flat.thin),
+            upright: flat.upright,
+            at,
+            steps,
+            places,
+            coarse,
+            sinks,
+        })
+    }
+
+    /// How a cell fills the tube: its middle becomes that of the tube, and it is as wide as that each way.
+    pub(super) fn filled_by(&self, cell: &CellMoments) -> FilledTube {
+        let [x, y] = self.round.map(|axis| axis / axis.length_squared().max(1e-12));
+        let [to_x, to_y] = [cell.moment * x, cell.moment * y];
+        let [xx, xy, yy] = [x.dot(to_x) + THIN, x.dot(to_y), y.dot(to_y) + THIN];
+        // The square root of a 2 x 2 matrix, by Cayley and Hamilton; in a disc, a coordinate is half the radius in the root mean square.
+        let root = (xx * yy - xy * xy).max(0.0).sqrt();
+        let scale = (xx + yy + 2.0 * root).sqrt();
+        let sqrt = Mat2::from_cols_array(&[xx + root, xy, xy, yy + root]) * (2.0 / scale);
+        FilledTube { middle: self.across(cell.middle), inverse: sqrt.inverse() }
+    }
+
+    /// A vector in radii of the round disc.
+    fn across(&self, offset: Vec3) -> Vec2 {
+        Vec2::from(self.round.map(|axis| offset.dot(axis) / axis.length_squared().max(1e-12)))
+    }
+
+    /// The place of a strand that is rooted at `root` in a cell: what is rooted beside the disc begins beside the tube, not above or
+    /// below it.
+    pub(super) fn place(&self, root: Vec3, tube: &FilledTube) -> RootPlace {
+        let q = self.across(root - self.root);
+        let across = (tube.inverse * (q - tube.middle)).clamp_length_max(1.0);
+        let beside = q - across;
+        let beside = beside - self.thin * (beside.dot(self.thin) * (1.0 - self.upright));
+        RootPlace { across, beside, far: q.length().max(1.0) }
     }
 
     /// The cluster's colour at each CV of a strand, or one colour for all.
@@ -216,6 +301,8 @@ fn radii(
 struct Flat {
     /// The thin axis in a frame: its components along the normal and the binormal.
     thin: [f32; 2],
+    /// How nearly the cluster leaves the root along the normal that the thin axis follows, 0 to 1.
+    upright: f32,
     /// All cross-sections are round.
     round: bool,
 }
@@ -234,7 +321,8 @@ impl Flat {
             atan2(wanted.dot(frame.binormal()), wanted.dot(frame.normal))
         });
         let (sin, cos) = sin_cos(angle);
-        Self { thin: [cos, sin], round }
+        let upright = frame.map_or(0.0, |frame| wanted.dot(frame.tangent).abs().min(1.0));
+        Self { thin: [cos, sin], upright, round }
     }
     /// Half axes of a cross-section with this ratio of thickness to width.
     fn pressed(&self, [x, y]: [Vec3; 2], thickness: f32) -> [Vec3; 2] {

@@ -31,8 +31,8 @@ impl TracedScalp {
     pub fn head(&self) -> &Scalp {
         &self.head
     }
-    /// With partings, for [`crate::define::FieldInput::on_traced`] alone.
-    pub(crate) fn for_fields(&self) -> &Scalp {
+    /// With partings, for [`crate::define::FieldInput::on_traced`], and for what is made before pieces run and enters their keys.
+    pub(crate) fn whole(&self) -> &Scalp {
         &self.scalp
     }
     /// As a piece sees it that is kept under a key with partings.
@@ -140,7 +140,7 @@ mod tests {
         ];
         for (sides, ran) in ways {
             let scalp = parted(sides);
-            assert!(scalp.head().sections().is_none() && scalp.for_fields().sections().is_some());
+            assert!(scalp.head().sections().is_none() && scalp.whole().sections().is_some());
             let (found, pieces) = distances(&host, &scalp, true);
             let (fresh, _) = distances(&Memory::default(), &scalp, false);
             assert_eq!(found, fresh, "{sides:?}");
