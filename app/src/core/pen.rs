@@ -28,7 +28,7 @@ pub struct PenSettings {
     pub along: Along,
     /// Radius of the brushes that work on hair, cm at the head.
     pub hair_brush: f32,
-    /// How far around a moved point of hair its neighbours follow, cm at the head; 0: it moves alone.
+    /// How far around what a tool acts on hair follows, cm at the head; 0: none does.
     pub hair_soft: f32,
     /// Colour of clusters that are implanted, sRGB; none: that of the hair downstream.
     pub hair_colour: Option<[u8; 3]>,
@@ -185,7 +185,7 @@ impl PenSettings {
     pub fn hair_brush(&self) -> f32 {
         if self.hair_brush.is_finite() { self.hair_brush.clamp(0.1, 50.0) } else { 3.0 }
     }
-    /// How far around a moved point of hair its neighbours follow, within what makes sense, cm.
+    /// How far around what a tool acts on hair follows, within what makes sense, cm.
     pub fn hair_soft(&self) -> f32 {
         if self.hair_soft.is_finite() { self.hair_soft.clamp(0.0, 50.0) } else { 0.0 }
     }

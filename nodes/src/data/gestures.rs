@@ -108,6 +108,10 @@ impl Tool {
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, own)| *own == word).map(|(tool, _)| *tool)
     }
+    /// Whether its size, if it has one, is how far around what it acts on curves follow, the less the farther they are.
+    pub fn is_soft(self) -> bool {
+        matches!(self, Self::Point | Self::Lengthen | Self::Twist | Self::Frizz | Self::Density)
+    }
 }
 
 /// How deep a gesture reaches: the paper's three levels of pressure.
@@ -168,7 +172,8 @@ pub struct Gesture {
     pub path: Vec<Vec3>,
     /// Colour of an implant, linear Rec.709. `None`: the default colour.
     pub colour: Option<Vec3>,
-    /// Radius of a brush or comb, pixels; 0: the node's own, for a scatter, the stroke only, for a point, that CV alone.
+    /// Radius of a brush or comb, pixels; 0: the node's own, for a scatter, the stroke only. For a tool that
+    /// [is soft](Tool::is_soft), how far around what it acts on others follow; 0: none do.
     pub size: f32,
     /// Strength of a brush, relative to its default; of a comb, how far hair goes along with the pen: 1 all the way.
     pub strength: f32,

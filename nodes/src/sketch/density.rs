@@ -14,14 +14,16 @@ pub(super) fn density(hand: &GestureContext, sketch: &mut SketchState) {
     if turns == 0 {
         return sketch.say("it closes no circle: draw all the way round");
     }
-    let taken = hand.takes(
+    let taken = hand.takes_around(
         sketch,
         |hand, sketch| within(hand, sketch, &line),
         "there is no curve in the circle",
+        |lock| hand.place_at_start(lock),
     );
-    for i in taken {
+    for (i, share) in taken {
         let mut lock = (*sketch.locks[i]).clone();
-        let filled = (lock.density + STEP * turns as f32 * hand.gesture.strength).clamp(0.0, 1.0);
+        let step = STEP * turns as f32 * hand.gesture.strength * share;
+        let filled = (lock.density + step).clamp(0.0, 1.0);
         if filled != lock.density {
             lock.density = filled;
             sketch.locks[i] = lock.done();

@@ -7,12 +7,13 @@ pub(super) fn frizz(hand: &GestureContext, sketch: &mut SketchState) {
     let Some(scribble) = scribble(&hand.line(), hand.set.rho) else {
         return sketch.say("it is no scribble: go to and fro across the hair");
     };
-    let taken = hand.takes(
+    let taken = hand.takes_around(
         sketch,
         GestureContext::under_start_or_middle,
         "it is drawn over no curve: draw it on hair",
+        |lock| hand.place_at_start(lock),
     );
-    for i in taken {
+    for (i, share) in taken {
         let mut lock = (*sketch.locks[i]).clone();
         // The drawn width of the cluster where the scribble began.
         let off = |k: &usize| {
@@ -21,7 +22,10 @@ pub(super) fn frizz(hand: &GestureContext, sketch: &mut SketchState) {
         let near = (0..lock.points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
         let depth = hand.seen.depth(lock.points[near]);
         let diameter = 2.0 * lock.radii[near] / hand.seen.cm_per_pixel(depth);
-        let frizz = of_amplitude(scribble.amplitude * hand.gesture.strength, diameter);
+        let mut frizz = of_amplitude(scribble.amplitude * hand.gesture.strength, diameter);
+        if share < 1.0 {
+            frizz = lock.frizz + (frizz - lock.frizz) * share;
+        }
         if frizz != lock.frizz {
             lock.frizz = frizz;
             sketch.locks[i] = lock.done();

@@ -122,20 +122,30 @@ pub(super) fn lengthen(hand: &GestureContext, sketch: &mut SketchState) {
         let ends = (0..sketch.locks.len()).filter_map(off);
         ends.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
     };
-    let taken = hand.takes(sketch, near_end, "no curve ends here: begin at a tip");
-    for i in taken {
+    let nothing = "no curve ends here: begin at a tip";
+    let taken = hand.takes_around(sketch, near_end, nothing, |lock| Some(lock.tip()));
+    // What is drawn on, from the tip of that which is taken.
+    let mut path = hand.gesture.path.clone();
+    for (i, share) in taken {
         let mut lock = (*sketch.locks[i]).clone();
         let (tip, last) = (lock.tip(), lock.points.len() - 1);
         let mut points = lock.points.clone();
-        match hand.gesture.path.is_empty() {
-            true => points.extend(&stroke(hand, sketch, &hand.line(), tip, lock.id)[1..]),
+        match path.is_empty() {
+            true => {
+                points.extend(&stroke(hand, sketch, &hand.line(), tip, lock.id)[1..]);
+                if hand.gesture.size > 0.0 {
+                    path = kept(hand.scalp, &lock.points, &points).map_or(vec![], |(_, path)| path);
+                }
+            }
             false => {
                 let own = onward(hand.scalp.frame(), &lock.points);
-                points.extend(hand.gesture.path.iter().map(|p| own.world(*p)));
+                points.extend(path.iter().map(|p| own.world(*p * share)));
                 let drawn = points[last..].to_vec();
                 clear(hand, &mut points, last);
-                let more = turned(&drawn, &points[last..]);
-                sketch.now.turned = Some(sketch.now.turned.map_or(more, |most| most.max(more)));
+                if !hand.gesture.path.is_empty() {
+                    let more = turned(&drawn, &points[last..]);
+                    sketch.now.turned = Some(sketch.now.turned.map_or(more, |most| most.max(more)));
+                }
             }
         }
         let places: Vec<f32> = (0..points.len()).map(|k| k.min(last) as f32).collect();

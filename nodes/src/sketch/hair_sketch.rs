@@ -156,7 +156,19 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
         }
         tool => {
             out.curves = was.keys().filter(|id| !same(id)).copied().collect();
-            let path = out.curves.first().and_then(|id| {
+            // The curve that the pen drew; what followed it grew less.
+            let grown = |id: &&u64| {
+                let all = [Some(&was[*id]), is.get(*id)]
+                    .map(|of| of.map_or(0.0, |(_, all)| grow::length(all)));
+                all[1] - all[0]
+            };
+            let drawn = match tool {
+                Tool::Lengthen => {
+                    out.curves.iter().rev().max_by(|a, b| grown(a).total_cmp(&grown(b)))
+                }
+                _ => out.curves.first(),
+            };
+            let path = drawn.and_then(|id| {
                 let (was, is) = (&was[id].1, &is.get(id)?.1);
                 match tool {
                     Tool::Lengthen => grow::kept(scalp, was, is).map(|(_, path)| path),

@@ -37,7 +37,7 @@ pub(super) fn line(from: [f32; 2], to: [f32; 2]) -> Vec<Vec2> {
 }
 
 /// Turns of a circle, clockwise for positive ones.
-fn circle(middle: [f32; 2], radius: f32, turns: f32) -> Vec<Vec2> {
+pub(super) fn circle(middle: [f32; 2], radius: f32, turns: f32) -> Vec<Vec2> {
     let count = (64.0 * turns.abs()) as usize;
     let at = |k: usize| {
         let (sin, cos) = sin_cos(std::f32::consts::TAU * turns * k as f32 / count as f32);

@@ -35,6 +35,7 @@ mod replay_laws;
 mod scatter;
 pub mod seen;
 mod silhouette;
+mod soft;
 pub mod stroke_shape;
 mod twist;
 

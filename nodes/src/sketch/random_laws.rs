@@ -211,7 +211,8 @@ impl Trial<'_> {
             assert!(changed.iter().all(|id| gesture.curves.contains(id)), "{said}: {changed:x?}");
             return;
         }
-        if gesture.layer == Layer::Nearest {
+        let soft = gesture.tool.is_soft() && gesture.size > 0.0;
+        if gesture.layer == Layer::Nearest && !soft {
             assert!(changed.len() <= 1, "{said}: {changed:x?}");
         }
         let seen = Seen::new(&gesture.view, self.scalp.frame());

@@ -191,10 +191,10 @@ impl Pen {
             let drag = drag(&mut settings.hair_brush, 0.1..=50.0, "Size ", " cm");
             ui.add(drag).on_hover_text("Radius of the brush on the head.");
         }
-        if tool == Some(Tool::Point) {
+        if tool.is_some_and(Tool::is_soft) {
             let drag = drag(&mut settings.hair_soft, 0.0..=50.0, "Soft ", " cm");
             ui.add(drag)
-                .on_hover_text("Radius within which points of the same curve follow. 0: none do.");
+                .on_hover_text("Radius within which hair around follows, the less the farther it is. 0: none does.");
         }
         if brush && tool != Some(Tool::Grab) || matches!(tool, None | Some(Tool::Comb)) {
             let drag = drag(&mut settings.strength, 0.01..=1.0, "Strength ", "");

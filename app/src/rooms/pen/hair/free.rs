@@ -98,7 +98,8 @@ pub(super) fn passed(
         });
         near.collect()
     };
-    if gesture.layer != Layer::Nearest {
+    // What is soft takes what is around along.
+    if gesture.layer != Layer::Nearest || gesture.tool.is_soft() && gesture.size > 0.0 {
         return near(&line).into_iter().map(|(id, ..)| id).collect();
     }
     // Where the pen touched down, or else where it passed; of what is under it, the nearest to the eye.
@@ -125,11 +126,16 @@ fn footprint(gesture: &Gesture, rho: f32) -> (Vec<Vec2>, f32) {
         Tool::Density => {
             let middle = line.iter().sum::<Vec2>() / line.len() as f32;
             let wide: f32 = line.iter().map(|at| at.distance(middle)).sum();
-            return (vec![middle], wide / line.len() as f32);
+            return (vec![middle], wide / line.len() as f32 + gesture.size);
         }
         _ => {}
     }
-    (line, if gesture.size > 0.0 { gesture.size } else { rho })
+    let reach = match gesture.tool {
+        tool if tool.is_soft() => gesture.size.max(rho),
+        _ if gesture.size > 0.0 => gesture.size,
+        _ => rho,
+    };
+    (line, reach)
 }
 
 /// How far a curve is from a line in the picture, pixels, and its depth there; none where the head hides it. What counts of it is what

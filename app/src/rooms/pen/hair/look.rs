@@ -90,7 +90,11 @@ pub(in super::super) fn cursor(
     }
     if tool == Some(Tool::Point) {
         points(painter, scene, &curves, pen, spot.rho);
+    }
+    if tool.is_some_and(Tool::is_soft) {
         painter.circle_stroke(pen, soft(scene), Stroke::new(1.0, STYLE));
+        let half = Stroke::new(1.0, STYLE.gamma_multiply(overlay::HALF));
+        painter.circle_stroke(pen, 0.5 * soft(scene), half);
     }
     if coming == Coming::Implant {
         let radius = number(scene, "radius") * scene.scalp.frame().unit();
@@ -118,7 +122,7 @@ pub(super) fn brush(scene: &Scene) -> f32 {
     at_the_head(scene, scene.state.settings.pen.hair_brush())
 }
 
-/// How far around a moved point its neighbours follow in the picture, points.
+/// How far around what a tool acts on others follow in the picture, points.
 pub(super) fn soft(scene: &Scene) -> f32 {
     at_the_head(scene, scene.state.settings.pen.hair_soft())
 }

@@ -173,7 +173,9 @@ impl HairTouch {
                 .hair_colour()
                 .filter(|_| matches!(tool, Tool::Implant | Tool::Silhouette)),
             size: match tool {
-                Tool::Point => look::soft(scene).clamp(0.0, 1000.0),
+                _ if tool.is_soft() && self.hand.tool == Some(tool) => {
+                    look::soft(scene).clamp(0.0, 1000.0)
+                }
                 _ if sized => look::brush(scene).clamp(2.0, 1000.0),
                 _ => 0.0,
             },
