@@ -14,9 +14,10 @@
 use super::hand::{GestureContext, SketchState, off_piece};
 use super::lock::{Implanted, Lock};
 use super::relax::{CLEARANCE, Rest};
+use super::seen::Seen;
 use super::silhouette::MedialLine;
 use super::stroke_shape::resampled;
-use crate::data::gestures::RootFrame;
+use crate::data::gestures::{Gesture, RootFrame, Tool};
 use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{HeadFrame, Root, Scalp};
 use crate::maths::hash::curve_id;
@@ -47,6 +48,18 @@ const ASIDE: f32 = 1.0;
 const DEEP: f32 = 0.1;
 /// The most segments that a stroke gets for that.
 const MOST_BENT: usize = 256;
+
+/// Where an implant or an outline is rooted on the head that it is drawn on, in head units; `None` beside the head. `rho`: reach of the
+/// pen, pixels.
+pub fn rooted(gesture: &Gesture, scalp: &Scalp, rho: f32) -> Option<Vec3> {
+    let seen = Seen::new(&gesture.view, scalp.frame());
+    let line: Vec<Vec2> = gesture.samples.iter().map(|sample| sample.at).collect();
+    let first = match gesture.tool {
+        Tool::Silhouette => MedialLine::of(&line, rho).ok()?.line.first().copied()?,
+        _ => *line.first()?,
+    };
+    seen.head(scalp, first).map(|hit| scalp.given(hit.point))
+}
 
 pub(super) fn implant(hand: &GestureContext, sketch: &mut SketchState) {
     plant(hand, sketch, &hand.line(), |_| vec![hand.set.radius]);

@@ -15,7 +15,7 @@ mod density;
 #[cfg(test)]
 mod drawing;
 mod frizz;
-mod grow;
+pub mod grow;
 pub mod hair_sketch;
 mod hand;
 #[cfg(test)]

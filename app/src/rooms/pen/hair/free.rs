@@ -75,9 +75,20 @@ pub(in super::super) fn words(scene: &mut Scene) -> Option<String> {
     })
 }
 
-/// Whether a gesture acts on hair that is there.
-pub(super) fn acts_on_hair(tool: Tool) -> bool {
-    !matches!(tool, Tool::Implant | Tool::Silhouette | Tool::Scatter)
+/// The free curves whose root disc contains the root of a gesture.
+pub(super) fn rooted_about(
+    gesture: &Gesture,
+    hair: &Curves,
+    free: &BTreeSet<u64>,
+    scalp: &Scalp,
+) -> Vec<u64> {
+    let Some(root) = gesture.root.map(|root| scalp.place(root)) else { return vec![] };
+    let contains = |(tuft, i): &(&Tuft, usize)| {
+        let radius = tuft.view(RADIUS).at(*i, tuft.range(*i).start);
+        tuft.curve(*i).first().is_some_and(|p| p.distance(root) <= radius)
+    };
+    let all = hair.each().filter(contains).map(|(tuft, i)| tuft.id(i));
+    all.filter(|id| free.contains(id)).collect()
 }
 
 /// The free curves that a gesture passes on this side of the head: one where its level asks for one. `rho` is how far the pen reaches

@@ -18,6 +18,7 @@ use coif_nodes::data::gestures::{Gesture, GestureView, Gestures, Layer, PenSampl
 use coif_nodes::maths::hash::Key;
 use coif_nodes::sketch::around::ViewedCurves;
 use coif_nodes::sketch::classify::{Guess, classify, is_tap};
+use coif_nodes::sketch::grow::rooted;
 use coif_nodes::sketch::hair_sketch::resolved;
 use coif_nodes::sketch::level::{Rule, level};
 use egui::{Painter, Pos2};
@@ -206,10 +207,19 @@ impl HairTouch {
         node: &NodeId,
         scene: &Scene,
     ) -> bool {
-        let Some(free) = self.free.as_ref().filter(|_| free::acts_on_hair(gesture.tool)) else {
-            return true;
-        };
-        gesture.curves = free::passed(gesture, hair, free, (scene.scalp, rho(node, scene)));
+        let Some(free) = self.free.as_ref() else { return true };
+        let rho = rho(node, scene);
+        match gesture.tool {
+            Tool::Scatter => return true,
+            Tool::Implant | Tool::Silhouette => {
+                // With its root told, it takes the place of the curves that it names, and of no others.
+                gesture.root = rooted(gesture, scene.scalp, rho);
+                gesture.curves = free::rooted_about(gesture, hair, free, scene.scalp);
+                return true;
+            }
+            _ => {}
+        }
+        gesture.curves = free::passed(gesture, hair, free, (scene.scalp, rho));
         !gesture.curves.is_empty()
     }
 

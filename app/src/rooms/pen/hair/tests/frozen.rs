@@ -125,3 +125,20 @@ fn a_stroke_over_frozen_hair_alone_changes_nothing_says_so_and_escape_frees_it()
     // Both sides are free again.
     assert_eq!(salon.changed("hair.comb", &beside, LIGHT).len(), 2);
 }
+
+#[test]
+fn an_implant_takes_the_place_of_no_frozen_cluster() {
+    let (mut salon, [left, right]) = two();
+    salon.0.editor().apply(Event::Select(Select::Curves([left].into())));
+    salon.0.editor().act("hair.implant");
+    salon.rest();
+    // On the root of the frozen one it stands beside it; on that of the free one it takes its place.
+    salon.draw(&Salon::line([350.0, 141.0], [380.0, 400.0]), HEAVY);
+    let all = ids(&salon.curves());
+    assert!(all.len() == 3 && all.contains(&left) && all.contains(&right), "{all:x?}");
+    assert_eq!(salon.gestures().0[2].curves, Vec::<u64>::new());
+    salon.draw(&Salon::line([250.0, 141.0], [220.0, 400.0]), HEAVY);
+    let all = ids(&salon.curves());
+    assert!(all.len() == 3 && !all.contains(&left) && all.contains(&right), "{all:x?}");
+    assert_eq!(content_hash(&salon.farmed()), content_hash(&salon.curves()), "a replay");
+}
