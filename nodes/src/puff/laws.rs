@@ -411,3 +411,33 @@ fn a_mesh_that_is_missing_is_told() {
     let said = fails(&NODE, &[("scalp", ball().into()), ("shape", "mesh".into())]);
     assert!(said.contains("nothing is wired to mesh"), "{said}");
 }
+
+#[test]
+fn puffs_that_fit_are_sized_by_the_distance_to_the_next_and_no_larger_than_asked() {
+    let scalp = ball();
+    let places = [-6.0f32, -3.0, 0.0, 8.0]
+        .map(|x| scalp.closest_root(Vec3::new(x, 6.0, 0.0)).unwrap().point);
+    let mut b = TuftBuilder::new();
+    places.iter().for_each(|p| b.push_curve(&[*p, *p * 1.2]));
+    b.set(ID, Domain::Curve, vec![1, 2, 3, 4]);
+    let placements = Value::from(Curves::new(vec![b.build().into()]));
+    let radii = |fit: bool, sphere: f32| -> Vec<f32> {
+        let (guides, ..) = puff(&[
+            ("placements", placements.clone()),
+            ("fit", fit.into()),
+            ("sphere_radius", Value::Float(sphere)),
+            ("count", Value::Int(20)),
+        ]);
+        guides.tufts().iter().map(|tuft| tuft.view(PUFF_RADIUS).at(0, 0)).collect()
+    };
+    assert_eq!(radii(false, 6.0), [6.0; 4]);
+    let next = |i: usize| {
+        let others = (0..4).filter(|j| *j != i).map(|j| places[i].distance(places[j]));
+        others.fold(f32::MAX, f32::min)
+    };
+    for (i, radius) in radii(true, 6.0).into_iter().enumerate() {
+        let wanted = (0.75 * next(i)).min(6.0);
+        assert!((radius - wanted).abs() < 1e-3, "{i}: {radius} for {wanted}");
+    }
+    assert_eq!(radii(true, 1.0), [1.0; 4]);
+}

@@ -28,6 +28,7 @@ use crate::eval::{EvalCx, Piece, Size};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::hash::{Dice, KeyBuilder, curve_id};
 use crate::maths::low_discrepancy::disc;
+use crate::maths::nearest::KdTree;
 use crate::maths::spline::Spline;
 use crate::maths::transcendental::{acos, atan2, cos, sin, sin_cos, sin_cos_turns};
 use glam::{Vec2, Vec3};
@@ -51,6 +52,9 @@ node! {
         placements: Option<Curves>, words("points roots tips several");
         /// The end of each of `placements` at which its puff sits.
         at: At = At::Roots, words("end root tip place");
+        /// Size puffs at `placements` by their spacing: where the sphere's radius is more than three quarters of the distance to the
+        /// next, the puff is smaller in all its sizes.
+        fit: bool = false, words("size room spacing small shrink overlap rows");
         /// Ties that puffs grow out of, one puff per tie, from Gather into tie. They set position and direction, and
         /// replace the inputs position, root radius, tie height and tightness.
         ties: Option<Curves>, words("gather base elastic band");
@@ -174,13 +178,17 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         }
         (_, Some(placements)) => {
             let middles = super::placed(cx, scalp, placements, inputs.at)?;
-            middles
-                .into_iter()
-                .map(|(m, parent)| Puff::new(&inputs, skin, unit, m, parent))
-                .collect()
+            let sizes = match inputs.fit {
+                true => rooms(&middles)
+                    .map(|room| (room / inputs.sphere_radius).clamp(LEAST, 1.0))
+                    .collect(),
+                false => vec![1.0; middles.len()],
+            };
+            let puff = |((m, parent), size)| Puff::new(&inputs, skin, unit, (m, parent), size);
+            middles.into_iter().zip(sizes).map(puff).collect()
         }
         _ => match super::picked(scalp, inputs.position) {
-            Some(middle) => vec![Puff::new(&inputs, skin, unit, middle, 0)],
+            Some(middle) => vec![Puff::new(&inputs, skin, unit, (middle, 0), 1.0)],
             None => return Err(NodeError::failed("the scalp has no surface to place a puff on")),
         },
     };
@@ -202,6 +210,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let puff = &puffs[i / pieces];
         let key = KeyBuilder::new("puff").int(puff.id).vec3(puff.middle.point).vec3(puff.axis);
         let key = key.vec3(puff.right).float(puff.root_radius).float(puff.tie_height);
+        let key = key.float(puff.radius);
         // Drawn outlines and neighbouring puffs are read as well.
         let key =
             [&inputs.front, &inputs.side].into_iter().flatten().fold(key, |k, c| k.key(c.key()));
@@ -226,6 +235,20 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     Ok(Outputs { guides, curves })
 }
 
+/// For each place, [`ROOM`] of the distance to the next, cm.
+fn rooms(middles: &[(Root, u64)]) -> impl Iterator<Item = f32> {
+    let tree = KdTree::new(middles.iter().map(|(middle, _)| middle.point));
+    let mut near = vec![];
+    middles.iter().map(move |(middle, _)| {
+        tree.find(middle.point, 2, &mut near);
+        near.get(1).map_or(f32::MAX, |(square, _)| ROOM * square.sqrt())
+    })
+}
+
+/// Radius of a puff that is sized by spacing, of the distance to the next: puffs press against each other.
+const ROOM: f32 = 0.75;
+/// The smallest size of a puff that has no room, of what is asked.
+const LEAST: f32 = 0.02;
 /// Hairs per work item.
 const HAIRS_A_PIECE: usize = 1024;
 /// The most hairs of one puff at any density.
@@ -269,7 +292,14 @@ struct Puff<'a> {
 }
 
 impl<'a> Puff<'a> {
-    fn new(inputs: &'a Inputs, skin: Skin<'a>, unit: f32, middle: Root, parent: u64) -> Self {
+    /// A puff on the skin, with all its sizes times `size`.
+    fn new(
+        inputs: &'a Inputs,
+        skin: Skin<'a>,
+        unit: f32,
+        (middle, parent): (Root, u64),
+        size: f32,
+    ) -> Self {
         let frame = inputs.scalp.frame();
         let ahead = across(frame.forward, middle.normal)
             .or_else(|| across(frame.up, middle.normal))
@@ -279,18 +309,18 @@ impl<'a> Puff<'a> {
             foot: middle,
             axis: middle.normal,
             right: ahead.cross(middle.normal),
-            height: inputs.tie_height,
-            radius: inputs.root_radius,
+            height: inputs.tie_height * size,
+            radius: inputs.root_radius * size,
         };
         let id = curve_id(parent, inputs.seed as u64, 0);
         let tie_width = 1.0 - 0.98 * inputs.tightness;
-        Self::on(inputs, skin, unit, &tie, (id, id, tie_width))
+        Self::on(inputs, skin, unit, &tie, (id, id, tie_width), size)
     }
 
     /// A puff that grows out of a tie.
     fn tied(inputs: &'a Inputs, skin: Skin<'a>, unit: f32, tie: &Tie) -> Self {
         let id = curve_id(tie.id, inputs.seed as u64, 0);
-        Self::on(inputs, skin, unit, tie, (id, tie.id, 1.0))
+        Self::on(inputs, skin, unit, tie, (id, tie.id, 1.0), 1.0)
     }
 
     fn on(
@@ -299,8 +329,9 @@ impl<'a> Puff<'a> {
         unit: f32,
         tie: &Tie,
         (id, of, tie_width): (u64, u64, f32),
+        size: f32,
     ) -> Self {
-        let offset = inputs.offset.unwrap_or(inputs.sphere_radius);
+        let offset = inputs.offset.unwrap_or(inputs.sphere_radius) * size;
         let mut puff = Self {
             inputs,
             skin,
@@ -312,7 +343,7 @@ impl<'a> Puff<'a> {
             ahead: tie.ahead(),
             centre: tie.foot.point + tie.axis * offset,
             root_radius: tie.radius,
-            radius: inputs.sphere_radius,
+            radius: inputs.sphere_radius * size,
             tie_height: tie.height,
             tie_width,
             unit,

@@ -234,14 +234,27 @@ fn display_along(document: &Document, from: &NodeId, def: &NodeDef, id: &NodeId)
     along.then(|| Edit::SetDisplay(Some(id.clone())))
 }
 
+/// The input that takes curves as places for what a node makes, the one that says at which end, and the one that makes what it makes
+/// small enough for all of them.
+pub(super) const PLACES: &str = "placements";
+pub(super) const PLACES_AT: &str = "at";
+const PLACES_FIT: &str = "fit";
+
 /// The same edit, with an input of the node set to a choice.
-pub(super) fn and_set(edit: Edit, id: &NodeId, set: Option<(&str, &str)>) -> Edit {
+pub(super) fn and_set(edit: Edit, id: &NodeId, def: &NodeDef, set: Option<(&str, &str)>) -> Edit {
     let Some((input, word)) = set else { return edit };
-    let setting = Setting::Known(Value::Text(word.into()));
-    let set = Edit::SetInput { node: id.clone(), input: input.to_owned(), setting };
+    let to = |input: &str, value: Value| Edit::SetInput {
+        node: id.clone(),
+        input: input.to_owned(),
+        setting: Setting::Known(value),
+    };
+    // What comes to several places has room beside each other.
+    let fits = (input == PLACES_AT && def.input(PLACES_FIT).is_some())
+        .then(|| to(PLACES_FIT, Value::Bool(true)));
+    let sets = [to(input, Value::Text(word.into()))].into_iter().chain(fits);
     match edit {
-        Edit::Several(edits) => Edit::Several(edits.into_iter().chain([set]).collect()),
-        other => Edit::Several(vec![other, set]),
+        Edit::Several(edits) => Edit::Several(edits.into_iter().chain(sets).collect()),
+        other => Edit::Several([other].into_iter().chain(sets).collect()),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The search that opens on the canvas: to add a node, to change one's kind, or to find the socket
 //! that a wire goes to. Keyboard first: type, arrows, Enter, Escape.
 
-use super::edits::Link;
+use super::edits::{Link, PLACES, PLACES_AT};
 use super::hand::{Fixed, Loose};
 use super::search::{self, Hints, SearchEntry, Why};
 use super::text::{self, line};
@@ -358,10 +358,6 @@ fn by_ends(
     words.into_iter().map(of).collect()
 }
 
-/// The input that takes curves as places for what a node makes, and the one that says at which end.
-const PLACES: &str = "placements";
-const PLACES_AT: &str = "at";
-
 /// Whether a kind can be wired so.
 fn takes(document: &Document, link: &Link, def: &'static NodeDef) -> bool {
     match link {
@@ -481,7 +477,10 @@ pub(super) fn plain(document: &Document, socket: &Socket) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rooms::canvas::edits::{self, Behind};
     use crate::rooms::canvas::testing::{document, faces, socket};
+    use coif_graphs::document::Setting;
+    use coif_nodes::define::Value;
 
     #[test]
     fn a_dropped_wire_is_offered_only_what_it_fits() {
@@ -506,6 +505,15 @@ mod tests {
         let ends: Vec<String> =
             labels(task, false).into_iter().filter(|it| it.starts_with("Sphere puff")).collect();
         assert_eq!(ends, ["Sphere puff: at tips", "Sphere puff: at roots"]);
+        // There each has room beside the next.
+        let def = coif_nodes::by_id("sphere_puff").expect("a kind");
+        let (edit, id) = edits::add(&document, def, Pos2::ZERO, (None, Behind::Branch), None);
+        let mut after = document.clone();
+        edits::and_set(edit, &id, def, Some((PLACES_AT, "tips")))
+            .apply(&mut after)
+            .expect("it fits");
+        let set = |input: &str| after.nodes[&id].inputs.get(input).cloned();
+        assert_eq!(set("fit"), Some(Setting::Known(Value::Bool(true))));
         // What follows the node in this groom comes first.
         assert_eq!(labels(Link::From(socket("fill.curves")), true)[0], "Set width");
     }

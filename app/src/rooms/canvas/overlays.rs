@@ -98,7 +98,7 @@ impl Canvas {
                     edit = Edit::Several(vec![edit, room, place]);
                 }
                 self.memory.used(def);
-                out.push(Event::Edit(edits::and_set(edit, &id, set)));
+                out.push(Event::Edit(edits::and_set(edit, &id, def, set)));
                 out.push(Event::Select(Select::Nodes(vec![id])));
                 out.extend(said.map(|said| Event::Say(Note::done(said))));
             }
@@ -107,7 +107,7 @@ impl Canvas {
                 match edits::insert_new(document, def, at, wire) {
                     Ok((edit, id)) => {
                         self.memory.used(def);
-                        out.push(Event::Edit(edits::and_set(edit, &id, set)));
+                        out.push(Event::Edit(edits::and_set(edit, &id, def, set)));
                         out.push(Event::Select(Select::Nodes(vec![id])));
                     }
                     Err(why) => out.push(Event::Say(Note::warning(why))),
@@ -115,7 +115,7 @@ impl Canvas {
             }
             (Task::Swap(id), FinderChoice::Kind(def, _, set)) => {
                 match wiring::change_kind(document, id, def.id) {
-                    Ok(edit) => out.push(Event::Edit(edits::and_set(edit, id, set))),
+                    Ok(edit) => out.push(Event::Edit(edits::and_set(edit, id, def, set))),
                     Err(why) => out.push(Event::Say(Note::error(why).of(id.clone()))),
                 }
             }
