@@ -37,8 +37,8 @@ node! {
         scalp: Arc<Scalp>;
         /// Guides on the whole region. Those that would root in a parting are left out.
         count: i64 = 600, hard(0.0, 20000.0), soft(100.0, 2000.0), unit(Count), words("amount number density");
-        /// How level the hair ends: at 100% it ends where the strokes beside it end, as a blunt cut does; at 0 every hair is as long as
-        /// its strokes, as layers are.
+        /// How level the hair ends beside strokes that hang: at 100% it ends where they end, as a blunt cut does; at 0 every hair is as
+        /// long as its strokes, as layers are, and as it always is beside strokes that end on the skin.
         level: f32 = 1.0, hard(0.0, 1.0), unit(Ratio), words("blunt layers cut ends length");
         /// Height to which hair rises over the skin, so that hair from above lies over hair from below.
         volume: f32 = 0.5, hard(0.0, 20.0), soft(0.0, 3.0), unit(Length), words("lift body puffiness height");
@@ -73,6 +73,9 @@ const FREE: f32 = 2.0;
 /// or farther, and of one that ends on the skin.
 const SHORTEST: [f32; 2] = [0.1, 0.4];
 const HANGS: f32 = 3.0;
+/// A stroke that ends nearer to the skin than this (head units) lies on it more or less: hair beside it is as long as the stroke
+/// wherever it is rooted, or its ends would show there as a line.
+const LIES: f32 = 1.0;
 /// Beyond the end of its strokes hair falls, over such a length (head units).
 const FALLS: f32 = 5.0;
 /// Beyond its tip a stroke counts as whole again, over such a fraction of its length: of one that hangs, and of one on the skin.
@@ -278,6 +281,7 @@ fn length(
     // What is rooted beyond the tip is not under the stroke.
     let beyond = (root - stroke.tip).dot(way);
     let again = smoothstep((beyond / (of_both(BEYOND) * whole)).clamp(0.0, 1.0));
+    let level = level * smoothstep(off / (LIES * unit));
     whole + (rest + (whole - rest) * again - whole) * level
 }
 
