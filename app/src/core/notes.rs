@@ -32,15 +32,15 @@ impl Gravity {
         let painter = ui.painter();
         match self {
             Self::Note => {
-                painter.circle_filled(middle, r * 0.6, theme::DONE);
+                painter.circle_filled(middle, r * 0.6, theme::DONE.of(ui));
             }
             Self::Warning => {
                 let corners = vec![at(0.0, -1.1), at(1.1, 0.9), at(-1.1, 0.9)];
                 let none = egui::Stroke::NONE;
-                painter.add(egui::Shape::convex_polygon(corners, theme::WARNING, none));
+                painter.add(egui::Shape::convex_polygon(corners, theme::WARNING.of(ui), none));
             }
             Self::Error => {
-                let stroke = egui::Stroke::new(2.0, theme::ERROR);
+                let stroke = egui::Stroke::new(2.0, theme::ERROR.of(ui));
                 painter.line_segment([at(-1.0, -1.0), at(1.0, 1.0)], stroke);
                 painter.line_segment([at(-1.0, 1.0), at(1.0, -1.0)], stroke);
             }

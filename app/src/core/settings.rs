@@ -16,6 +16,8 @@ pub struct Settings {
     pub final_while_dragging: bool,
     /// Size of the interface, 0.75 to 2.5.
     pub scale: f32,
+    /// Whether the window is dark or light.
+    pub theme: Theme,
     /// Which mouse buttons and keys turn the view.
     pub navigation: Navigation,
     /// Whether the view turns as a ball, without keeping the horizon level.
@@ -40,6 +42,7 @@ impl Default for Settings {
             evaluate: Evaluate::Live,
             final_while_dragging: false,
             scale: 1.0,
+            theme: Theme::Dark,
             navigation: Navigation::Maya,
             trackball: false,
             samples: 32,
@@ -85,6 +88,33 @@ pub enum Evaluate {
     ByKey,
 }
 
+/// Whether the window is dark or light. The picture is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Theme {
+    /// Light text on dark panels.
+    Dark,
+    /// Dark text on light panels.
+    Light,
+}
+
+impl Theme {
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Dark => Self::Light,
+            Self::Light => Self::Dark,
+        }
+    }
+    /// What egui calls it.
+    pub fn of_egui(self) -> egui::Theme {
+        match self {
+            Self::Dark => egui::Theme::Dark,
+            Self::Light => egui::Theme::Light,
+        }
+    }
+}
+
 /// Which mouse buttons and keys turn the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Navigation {
@@ -100,7 +130,8 @@ mod tests {
 
     #[test]
     fn settings_come_back_lack_what_is_new_and_mean_something() {
-        let set = Settings { scale: 1.25, trackball: true, ..Settings::default() };
+        let set =
+            Settings { scale: 1.25, trackball: true, theme: Theme::Light, ..Settings::default() };
         let text = ron::to_string(&set).unwrap();
         assert_eq!(ron::from_str::<Settings>(&text).unwrap(), set);
         let older: Settings = ron::from_str("(samples: 7, gone_since: [1, (2)])").unwrap();

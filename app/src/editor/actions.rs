@@ -155,6 +155,19 @@ const ACTIONS: &[Own] = &[
         run: |_, out| out.push(Event::Window(Window::Settings)),
     },
     Action {
+        id: "view.theme",
+        label: "Light or dark window",
+        tip: "Switch between light and dark panels; the picture stays as it is.",
+        words: "theme bright day night colours colors contrast appearance mode",
+        menu: "View",
+        when: always,
+        run: |editor, out| {
+            let mut settings = editor.state.settings.clone();
+            settings.theme = settings.theme.other();
+            out.push(Event::Settings(Box::new(settings)));
+        },
+    },
+    Action {
         id: "evaluate.stop",
         label: "Stop",
         tip: "Stop the running evaluation and keep the last picture.",

@@ -94,7 +94,10 @@ pub(crate) fn status(editor: &mut Editor, ui: &mut egui::Ui) {
             }
             // Old news leaves; the messages keep it.
             if let Some(note) = editor.toasts.news() {
-                ui.add(egui::Label::new(RichText::new(&note.text).color(theme::QUIET)).truncate());
+                ui.add(
+                    egui::Label::new(RichText::new(&note.text).color(theme::QUIET.of(ui)))
+                        .truncate(),
+                );
             }
         });
     });
@@ -111,8 +114,9 @@ fn over_budget(editor: &Editor, ui: &mut egui::Ui, out: &mut Vec<Event>) {
         let (most, much) = (used.term.amount(used.limit), used.term.amount(used.used));
         let text =
             format!("over budget: {} {much} of {most} ({})", used.term, state.called(&used.node));
-        let said =
-            ui.link(RichText::new(text).color(theme::WARNING)).on_hover_text(used.to_string());
+        let said = ui
+            .link(RichText::new(text).color(theme::WARNING.of(ui)))
+            .on_hover_text(used.to_string());
         let node = NodeId::new(&used.node).ok().filter(|_| said.clicked());
         out.extend(node.map(|id| Event::Select(Select::Nodes(vec![id]))));
     }
@@ -168,11 +172,13 @@ fn manual(def: &NodeDef, ui: &mut egui::Ui) {
         }
         for input in inputs {
             ui.add_space(4.0);
-            ui.label(RichText::new(spoken(input.name)).color(theme::ACCENT));
+            ui.label(RichText::new(spoken(input.name)).color(theme::ACCENT.of(ui)));
             ui.label(input.doc());
             if let Some((least, most)) = input.hard {
                 let unit = input.unit.suffix();
-                ui.label(RichText::new(format!("{least} to {most}{unit}")).color(theme::QUIET));
+                ui.label(
+                    RichText::new(format!("{least} to {most}{unit}")).color(theme::QUIET.of(ui)),
+                );
             }
         }
     }

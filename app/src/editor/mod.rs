@@ -118,7 +118,7 @@ impl Editor {
     /// An editor on a document. The context is asked to repaint when something was evaluated.
     pub fn new(ctx: &egui::Context, document: Document, file: OpenFile) -> Self {
         let settings = Settings::default();
-        theme::apply(ctx, settings.pen_mode);
+        theme::apply(ctx, settings.theme.of_egui(), settings.pen_mode);
         let mut state = State::new(document, file, settings, actions::named);
         let wake = {
             let ctx = ctx.clone();
@@ -224,13 +224,16 @@ impl Editor {
         let mut dock = std::mem::replace(&mut self.dock, DockState::new(vec![]));
         let (shares, held) = (layout::shares(&dock), layout::held_split(&dock, &ctx));
         let mut tabs = Tabs { editor: self, out: &mut events };
-        egui::CentralPanel::default().frame(egui::Frame::NONE.fill(theme::GROUND)).show(ui, |ui| {
-            DockArea::new(&mut dock)
-                .style(dock_style(ui))
-                .show_leaf_close_all_buttons(false)
-                .show_leaf_collapse_buttons(false)
-                .show_inside(ui, &mut tabs);
-        });
+        egui::CentralPanel::default().frame(egui::Frame::NONE.fill(theme::GROUND.of(ui))).show(
+            ui,
+            |ui| {
+                DockArea::new(&mut dock)
+                    .style(dock_style(ui))
+                    .show_leaf_close_all_buttons(false)
+                    .show_leaf_collapse_buttons(false)
+                    .show_inside(ui, &mut tabs);
+            },
+        );
         layout::keep_shares(&mut dock, &shares, held);
         self.dock = dock;
         self.settings_panel.ui(&self.state.settings, &self.keys, &ctx, &mut events);
@@ -439,12 +442,12 @@ fn makes_unknown_hair(state: &State) -> bool {
 
 fn dock_style(ui: &egui::Ui) -> egui_dock::Style {
     let mut style = egui_dock::Style::from_egui(ui.style());
-    style.tab_bar.bg_fill = theme::GROUND;
-    style.tab_bar.hline_color = theme::LINE;
+    style.tab_bar.bg_fill = theme::GROUND.of(ui);
+    style.tab_bar.hline_color = theme::LINE.of(ui);
     style.main_surface_border_stroke = egui::Stroke::NONE;
     style.tab.tab_body.stroke = egui::Stroke::NONE;
     style.tab.tab_body.inner_margin = egui::Margin::same(4);
-    style.tab.tab_body.bg_fill = theme::PANEL;
+    style.tab.tab_body.bg_fill = theme::PANEL.of(ui);
     style
 }
 

@@ -4,7 +4,7 @@ use super::actions;
 use super::keys::Keys;
 use crate::core::event::Event;
 use crate::core::settings::{
-    Evaluate, MOST_MINUTES, Navigation, SAMPLES, SAVE_MINUTES, SCALES, Settings,
+    Evaluate, MOST_MINUTES, Navigation, SAMPLES, SAVE_MINUTES, SCALES, Settings, Theme,
 };
 use crate::widgets::panel;
 use egui::{DragValue, Grid, Slider};
@@ -67,8 +67,17 @@ impl Panel {
 }
 
 fn rows(new: &mut Settings, keys: &Keys, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    ui.label("Theme");
+    ui.horizontal(|ui| {
+        for (theme, word) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+            let tip = "Colours of panels and text; the picture stays as it is";
+            ui.selectable_value(&mut new.theme, theme, word).on_hover_text(tip);
+        }
+    });
+    ui.end_row();
     ui.label("Contrast");
-    ui.checkbox(&mut new.strong_contrast, "stronger").on_hover_text("Brighter text and lines");
+    ui.checkbox(&mut new.strong_contrast, "stronger")
+        .on_hover_text("Text and lines stand out more");
     ui.end_row();
     ui.label("Targets");
     ui.checkbox(&mut new.pen_mode, "large, for a pen")

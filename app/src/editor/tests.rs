@@ -42,7 +42,7 @@ impl Hands {
         }
         let mut hands =
             Self(builder.build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor));
-        crate::widgets::theme::apply(&hands.0.ctx, false);
+        crate::widgets::theme::apply(&hands.0.ctx, egui::Theme::Dark, false);
         hands.steps(3);
         hands
     }

@@ -32,7 +32,7 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
             let mark = if at == done { "▶ " } else { "" };
             let mut text = RichText::new(format!("{mark}{words}"));
             if at > done {
-                text = text.color(theme::QUIET).italics();
+                text = text.color(theme::QUIET.of(ui)).italics();
             }
             let line = ui.selectable_label(at == done, text);
             if line.on_hover_text("Go to the state after this step").clicked() {

@@ -49,7 +49,7 @@ impl Story {
             builder = builder.wgpu();
         }
         let ui = builder.build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
-        coif::widgets::theme::apply(&ui.ctx, false);
+        coif::widgets::theme::apply(&ui.ctx, egui::Theme::Dark, false);
         Self { ui, name, hand, actions: 0, time: 0.0, pictures, took: vec![] }
     }
 

@@ -6,7 +6,7 @@ use crate::core::state::{Select, State};
 use crate::rooms::canvas::{Canvas, Mark};
 use crate::widgets::theme;
 use coif_graphs::document::NodeId;
-use egui::{Align, Color32, Label, Layout, Rect, RichText, ScrollArea, Ui, UiBuilder, Vec2};
+use egui::{Align, Label, Layout, Rect, RichText, ScrollArea, Ui, UiBuilder, Vec2};
 
 /// Height of what stands over each canvas, points.
 const CAPTION: f32 = 22.0;
@@ -78,7 +78,7 @@ impl Compare {
                 () if self.same_hair => "the same hair",
                 () => return,
             };
-            ui.label(RichText::new(alike).color(theme::DONE));
+            ui.label(RichText::new(alike).color(theme::DONE.of(ui)));
         });
         let heading = match self.is_before {
             true => "Changed since it was saved:".to_owned(),
@@ -147,7 +147,7 @@ impl Compare {
     }
 
     /// Whose hair the picture shows, and how that is said.
-    pub(crate) fn whose(&self) -> (String, Color32) {
+    pub(crate) fn whose(&self) -> (String, theme::Tint) {
         match (self.flipped, &self.other.shown) {
             (false, _) => ("Shown: yours".to_owned(), theme::TEXT),
             (true, Some(_)) => (format!("Shown: {}", self.name), theme::ACCENT),

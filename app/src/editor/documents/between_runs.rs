@@ -116,7 +116,7 @@ pub(super) fn heed_settings(editor: &mut Editor, ctx: &egui::Context) {
 
 fn show_settings(editor: &Editor, ctx: &egui::Context) {
     let settings = &editor.state.settings;
-    theme::apply(ctx, settings.pen_mode);
+    theme::apply(ctx, settings.theme.of_egui(), settings.pen_mode);
     if settings.strong_contrast {
         theme::strengthen(ctx);
     }

@@ -320,10 +320,10 @@ pub(super) fn rows(exports: &Exports, ui: &mut egui::Ui) -> Option<u64> {
 fn one(row: &ExportRow, ui: &mut egui::Ui) -> bool {
     let name = row.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (text, colour, part) = match &row.state {
-        ExportState::Waits => ("waits for its turn".to_owned(), theme::QUIET, None),
+        ExportState::Waits => ("waits for its turn".to_owned(), theme::QUIET.of(ui), None),
         ExportState::Runs(doing, (done, of)) => {
             let part = if *of == 0 { 0.0 } else { *done as f32 / *of as f32 };
-            (doing.clone(), theme::TEXT, Some(part))
+            (doing.clone(), theme::TEXT.of(ui), Some(part))
         }
         ExportState::Ended(Ended::Done(written)) => {
             let (ran, of) = written.ran;
@@ -331,14 +331,14 @@ fn one(row: &ExportRow, ui: &mut egui::Ui) -> bool {
                 0 => "nothing evaluated again".to_owned(),
                 ran => format!("{ran} of {of} nodes evaluated"),
             };
-            (format!("{}; {ran}", written.made), theme::DONE, None)
+            (format!("{}; {ran}", written.made), theme::DONE.of(ui), None)
         }
         ExportState::Ended(Ended::Failed(lines)) => {
             // The file is named beside it.
             let named = format!("{}: ", row.path.display());
-            (lines.join("; ").replace(&named, ""), theme::ERROR, None)
+            (lines.join("; ").replace(&named, ""), theme::ERROR.of(ui), None)
         }
-        ExportState::Ended(Ended::Stopped) => ("stopped".to_owned(), theme::QUIET, None),
+        ExportState::Ended(Ended::Stopped) => ("stopped".to_owned(), theme::QUIET.of(ui), None),
     };
     let mut stop = false;
     ui.horizontal(|ui| {

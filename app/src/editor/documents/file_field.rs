@@ -90,7 +90,8 @@ impl FileField {
         if let Some(path) = self.path()
             && self.is_there(&path, wake)
         {
-            let text = RichText::new("replaces the file that is there").color(theme::WARNING);
+            let text =
+                RichText::new("replaces the file that is there").color(theme::WARNING.of(ui));
             ui.add(Label::new(text).truncate()).on_hover_text(path.display().to_string());
         }
     }

@@ -215,14 +215,14 @@ impl Editor {
                         }
                         MadeOf::Nodes(nodes) => format!("{} selected nodes.", nodes.len()),
                     };
-                    ui.label(RichText::new(what).color(theme::QUIET));
+                    ui.label(RichText::new(what).color(theme::QUIET.of(ui)));
                     fields(ui, &mut asked, folders);
                     exposed(ui, &mut asked.inputs);
                     let draws = Checkbox::new(&mut asked.draws, "Render a thumbnail");
                     ui.add(draws)
                         .on_hover_text("Render the template and store the picture in its file");
                     if let Some(why) = &asked.said {
-                        ui.label(RichText::new(format!("⚠ {why}")).color(theme::WARNING));
+                        ui.label(RichText::new(format!("⚠ {why}")).color(theme::WARNING.of(ui)));
                     }
                     ui.horizontal(|ui| {
                         save = ui.button("Save").clicked();

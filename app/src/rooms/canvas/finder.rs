@@ -129,7 +129,7 @@ impl Finder {
                         ui.separator();
                         let hint =
                             RichText::new(self.hint(document, lines.get(self.chosen))).small();
-                        ui.add(egui::Label::new(hint.color(theme::QUIET)).truncate());
+                        ui.add(egui::Label::new(hint.color(theme::QUIET.of(ui))).truncate());
                     }
                 });
             });
@@ -178,7 +178,7 @@ impl Finder {
     ) {
         if lines.is_empty() {
             ui.add_space(4.0);
-            ui.label(RichText::new("Nothing matches.").color(theme::QUIET));
+            ui.label(RichText::new("Nothing matches.").color(theme::QUIET.of(ui)));
         }
         let list = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(16.0);
         let list = list.auto_shrink([false, true]);
@@ -296,17 +296,17 @@ fn row(ui: &mut egui::Ui, shown: &Line, chosen: bool) -> egui::Response {
         egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, chosen, &shown.label)
     });
     if chosen || row.hovered() {
-        let fill = if chosen { theme::SELECTED } else { theme::RAISED };
+        let fill = if chosen { theme::SELECTED.of(ui) } else { theme::RAISED.of(ui) };
         ui.painter().rect_filled(rect, 3.0, fill);
     }
-    let beside = line(ui, &shown.beside, 11.0, theme::QUIET, rect.width() / 2.0);
+    let beside = line(ui, &shown.beside, 11.0, theme::QUIET.of(ui), rect.width() / 2.0);
     let room = rect.width() - beside.size().x - 24.0;
-    let label = line(ui, &shown.label, 13.0, theme::TEXT, room);
+    let label = line(ui, &shown.label, 13.0, theme::TEXT.of(ui), room);
     let height = |line: &text::TextLine| rect.center().y - line.size().y / 2.0;
     let at = egui::pos2(rect.right() - 8.0 - beside.size().x, height(&beside));
-    beside.show(ui.painter(), at, theme::QUIET);
+    beside.show(ui.painter(), at, theme::QUIET.of(ui));
     let at = egui::pos2(rect.left() + 8.0, height(&label));
-    label.show(ui.painter(), at, theme::TEXT);
+    label.show(ui.painter(), at, theme::TEXT.of(ui));
     row
 }
 

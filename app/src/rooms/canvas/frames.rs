@@ -7,7 +7,7 @@ use crate::core::faces::Faces;
 use crate::widgets::theme;
 use coif_graphs::document::{Document, Frame, NodeId};
 use egui::accesskit::Role;
-use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::collections::BTreeMap;
 
 /// What was done to a frame.
@@ -54,15 +54,16 @@ pub(super) fn show(
         let rect = rect(name, frame);
         let colour = look::frame_colour(frame.colour);
         let p = ui.painter();
-        let fill = theme::SUNKEN.lerp_to_gamma(colour, 0.16);
-        let edge = if selected == Some(name) { theme::ACCENT } else { colour.gamma_multiply(0.8) };
+        let fill = theme::SUNKEN.of(ui).lerp_to_gamma(colour, 0.16);
+        let edge =
+            if selected == Some(name) { theme::ACCENT.of(ui) } else { colour.gamma_multiply(0.8) };
         p.rect(rect, 6.0, fill, Stroke::new(1.2, edge), StrokeKind::Middle);
         let bar = Rect::from_min_size(rect.min, vec2(rect.width(), FRAME_TITLE));
         let text = if frame.text.is_empty() { "Frame" } else { &frame.text };
         // The title stays readable from far away.
         let size = (14.0 / scale.clamp(0.25, 1.0)).min(rect.height() / 3.0).max(14.0);
-        let title = line(ui, text, size, theme::TEXT, rect.width() - 16.0);
-        title.show(p, pos2(rect.left() + 9.0, rect.top() + 4.0), theme::TEXT);
+        let title = line(ui, text, size, theme::TEXT.of(ui), rect.width() - 16.0);
+        title.show(p, pos2(rect.left() + 9.0, rect.top() + 4.0), theme::TEXT.of(ui));
         let grip = Rect::from_min_max(rect.max - vec2(18.0, 18.0), rect.max);
         for off in [5.0, 9.0] {
             let ends = [rect.max - vec2(off, 3.0), rect.max - vec2(3.0, off)];
@@ -159,8 +160,8 @@ pub(super) fn map(
         p.rect(
             rect,
             4.0,
-            theme::GROUND.gamma_multiply(0.92),
-            Stroke::new(1.0, theme::LINE),
+            theme::GROUND.of(ui).gamma_multiply(0.92),
+            Stroke::new(1.0, theme::LINE.of(ui)),
             StrokeKind::Inside,
         );
         let inner = rect.shrink(5.0);
@@ -171,17 +172,17 @@ pub(super) fn map(
         };
         for (rect, stage, displayed) in &boxes {
             let colour = if *displayed {
-                theme::ACCENT
+                theme::ACCENT.of(ui)
             } else {
-                look::stage_colour(*stage).gamma_multiply(0.7)
+                look::stage_colour(*stage).of(ui).gamma_multiply(0.7)
             };
             p.rect_filled(onto(*rect).expand(0.5), 1.0, colour);
         }
         p.rect(
             onto(seen),
             2.0,
-            Color32::from_white_alpha(14),
-            Stroke::new(1.0, theme::TEXT),
+            theme::STRONG.of(ui).gamma_multiply(0.055),
+            Stroke::new(1.0, theme::TEXT.of(ui)),
             StrokeKind::Inside,
         );
         let pressed = response.dragged() || response.clicked();

@@ -2,39 +2,43 @@
 //!
 //! Types of sockets, stages and troubles each have a shape of their own besides their colour.
 
-use crate::widgets::theme;
+use crate::widgets::theme::{self, Tint};
 use coif_nodes::define::Type;
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};
 use std::f32::consts::TAU;
 
 /// Bodies of nodes.
-pub(super) const BODY: Color32 = Color32::from_gray(41);
+pub(super) const BODY: Tint = Tint::grey(41, 255);
 /// Headers, before their stage tints them.
-const HEADER: Color32 = Color32::from_gray(54);
+const HEADER: Tint = Tint::grey(54, 226);
 /// Dots of the background.
-pub(super) const DOTS: Color32 = Color32::from_gray(38);
+pub(super) const DOTS: Tint = Tint::grey(38, 218);
 /// Outlines at rest.
-pub(super) const EDGE: Color32 = Color32::from_gray(68);
+pub(super) const EDGE: Tint = Tint::grey(68, 168);
+/// Between the parts of a node.
+pub(super) const RULE: Tint = Tint::grey(50, 222);
+/// Flags that are not set.
+const OFF: Tint = Tint::grey(112, 130);
 /// Size of the smallest text on a node: it is read at full size, without coming nearer.
 pub(super) const SMALL: f32 = 11.0;
 /// Radius of a socket's mark.
 pub(super) const SOCKET: f32 = 4.6;
 
 /// Colours of stages, in the order in which hair is made; the last but one is for unknown kinds, the last for what documents declare.
-const STAGES: [Color32; 13] = [
-    Color32::from_rgb(205, 160, 125),
-    Color32::from_rgb(130, 190, 145),
-    Color32::from_rgb(220, 165, 95),
-    Color32::from_rgb(205, 130, 140),
-    Color32::from_rgb(160, 150, 220),
-    Color32::from_rgb(195, 145, 200),
-    Color32::from_rgb(222, 150, 178),
-    Color32::from_rgb(120, 180, 195),
-    Color32::from_rgb(110, 185, 165),
-    Color32::from_rgb(125, 165, 215),
-    Color32::from_rgb(170, 175, 180),
-    Color32::from_rgb(225, 140, 132),
-    Color32::from_rgb(150, 168, 196),
+const STAGES: [Tint; 13] = [
+    Tint::new([205, 160, 125], [150, 93, 49]),
+    Tint::new([130, 190, 145], [55, 118, 71]),
+    Tint::new([220, 165, 95], [151, 94, 23]),
+    Tint::new([205, 130, 140], [183, 62, 78]),
+    Tint::new([160, 150, 220], [104, 86, 209]),
+    Tint::new([195, 145, 200], [156, 73, 164]),
+    Tint::new([222, 150, 178], [190, 47, 103]),
+    Tint::new([120, 180, 195], [50, 115, 131]),
+    Tint::new([110, 185, 165], [50, 118, 100]),
+    Tint::new([125, 165, 215], [45, 107, 185]),
+    Tint::new([170, 175, 180], [101, 108, 116]),
+    Tint::new([225, 140, 132], [195, 48, 35]),
+    Tint::new([150, 168, 196], [79, 108, 153]),
 ];
 
 /// The stage of what documents declare: groups and what belongs to them. Behind that of what nobody knows.
@@ -56,29 +60,13 @@ pub(super) fn frame_colour(number: u8) -> Color32 {
 }
 
 /// The colour of a stage.
-pub(super) fn stage_colour(stage: usize) -> Color32 {
+pub(super) fn stage_colour(stage: usize) -> Tint {
     STAGES[stage.min(STAGES.len() - 1)]
 }
 
 /// A header's fill.
-pub(super) fn header_fill(stage: usize) -> Color32 {
-    HEADER.lerp_to_gamma(stage_colour(stage), 0.16)
-}
-
-/// The colour of what a wire carries.
-pub(super) fn type_colour(ty: Option<Type>) -> Color32 {
-    match ty {
-        Some(Type::Curves) => Color32::from_rgb(128, 203, 148),
-        Some(Type::Scalp) => Color32::from_rgb(219, 172, 130),
-        Some(Type::Strokes) => Color32::from_rgb(232, 150, 96),
-        Some(Type::Gestures) => Color32::from_rgb(226, 132, 178),
-        Some(Type::Field | Type::Ramp) => Color32::from_rgb(178, 158, 235),
-        Some(Type::Bool | Type::Int | Type::Float) => Color32::from_rgb(130, 180, 225),
-        Some(Type::Vec3 | Type::Colour) => Color32::from_rgb(224, 205, 110),
-        Some(Type::Shapes) => Color32::from_rgb(110, 200, 200),
-        Some(Type::Text | Type::Choice(_) | Type::File) => Color32::from_gray(175),
-        None => theme::ERROR,
-    }
+pub(super) fn header_fill(stage: usize) -> Tint {
+    HEADER.mixed(stage_colour(stage), 0.16)
 }
 
 /// Corners of a regular shape, the first at `turn` (a share of a full turn from the right,
@@ -90,10 +78,10 @@ fn regular(at: Pos2, radius: f32, corners: u32, turn: f32) -> Vec<Pos2> {
 
 /// Paints the mark of a socket: its shape is the type, filled where a wire is.
 pub(super) fn socket(p: &Painter, at: Pos2, ty: Option<Type>, wired: bool, bright: bool) {
-    let colour = type_colour(ty);
+    let colour = theme::of_type(ty).of(p);
     let r = if bright { SOCKET + 1.4 } else { SOCKET };
-    let fill = if wired { colour } else { theme::SUNKEN };
-    let line = Stroke::new(1.6, if bright { Color32::WHITE } else { colour });
+    let fill = if wired { colour } else { theme::SUNKEN.of(p) };
+    let line = Stroke::new(1.6, if bright { theme::STRONG.of(p) } else { colour });
     let polygon = |points| Shape::convex_polygon(points, fill, line);
     p.add(match ty {
         Some(Type::Curves) => {
@@ -129,22 +117,26 @@ fn cross(p: &Painter, at: Pos2, r: f32, line: Stroke) {
 
 /// An error: an octagon with a cross.
 pub(super) fn error_mark(p: &Painter, at: Pos2, r: f32) {
-    p.add(Shape::convex_polygon(regular(at, r, 8, 1.0 / 16.0), theme::ERROR, Stroke::NONE));
-    cross(p, at, r * 0.4, Stroke::new(r * 0.25, theme::SUNKEN));
+    p.add(Shape::convex_polygon(regular(at, r, 8, 1.0 / 16.0), theme::ERROR.of(p), Stroke::NONE));
+    cross(p, at, r * 0.4, Stroke::new(r * 0.25, theme::SUNKEN.of(p)));
 }
 
 /// A warning: a triangle with an exclamation mark.
 pub(super) fn warning_mark(p: &Painter, at: Pos2, r: f32) {
     let middle = at + vec2(0.0, r * 0.15);
-    p.add(Shape::convex_polygon(regular(middle, r * 1.15, 3, 0.75), theme::WARNING, Stroke::NONE));
-    let line = Stroke::new(r * 0.26, theme::SUNKEN);
+    p.add(Shape::convex_polygon(
+        regular(middle, r * 1.15, 3, 0.75),
+        theme::WARNING.of(p),
+        Stroke::NONE,
+    ));
+    let line = Stroke::new(r * 0.26, theme::SUNKEN.of(p));
     p.line_segment([at + vec2(0.0, -r * 0.45), at + vec2(0.0, r * 0.2)], line);
-    p.circle_filled(at + vec2(0.0, r * 0.48), r * 0.14, theme::SUNKEN);
+    p.circle_filled(at + vec2(0.0, r * 0.48), r * 0.14, theme::SUNKEN.of(p));
 }
 
 /// Trouble upstream: an octagon in outline, with an arrow from the left.
 pub(super) fn upstream_mark(p: &Painter, at: Pos2, r: f32) {
-    let line = Stroke::new(1.3, theme::ERROR);
+    let line = Stroke::new(1.3, theme::ERROR.of(p));
     p.add(Shape::closed_line(regular(at, r, 8, 1.0 / 16.0), line));
     p.line_segment([at + vec2(r * 0.45, 0.0), at - vec2(r * 0.45, 0.0)], line);
     let tip = at - vec2(r * 0.45, 0.0);
@@ -155,12 +147,12 @@ pub(super) fn upstream_mark(p: &Painter, at: Pos2, r: f32) {
 /// The display flag: an eye, filled where it is set.
 pub(super) fn eye(p: &Painter, at: Pos2, set: bool, hovered: bool) {
     let colour = match (set, hovered) {
-        (true, _) => theme::ACCENT,
-        (false, true) => theme::TEXT,
-        (false, false) => Color32::from_gray(112),
+        (true, _) => theme::ACCENT.of(p),
+        (false, true) => theme::TEXT.of(p),
+        (false, false) => OFF.of(p),
     };
     if set {
-        p.rect_filled(Rect::from_center_size(at, vec2(18.0, 14.0)), 4.0, theme::SELECTED);
+        p.rect_filled(Rect::from_center_size(at, vec2(18.0, 14.0)), 4.0, theme::SELECTED.of(p));
     }
     let lid = |down: f32| -> Vec<Pos2> {
         (0..=8)
@@ -179,9 +171,9 @@ pub(super) fn eye(p: &Painter, at: Pos2, set: bool, hovered: bool) {
 /// The bypass flag: an arrow that goes round, with a bar where it is set.
 pub(super) fn bypass(p: &Painter, at: Pos2, set: bool, hovered: bool) {
     let colour = match (set, hovered) {
-        (true, _) => theme::WARNING,
-        (false, true) => theme::TEXT,
-        (false, false) => Color32::from_gray(112),
+        (true, _) => theme::WARNING.of(p),
+        (false, true) => theme::TEXT.of(p),
+        (false, false) => OFF.of(p),
     };
     let line = Stroke::new(1.3, colour);
     let over: Vec<Pos2> = (0..=8)
@@ -200,16 +192,16 @@ pub(super) fn bypass(p: &Painter, at: Pos2, set: bool, hovered: bool) {
 
 /// The mark of the node that the pen works on.
 pub(super) fn pen(p: &Painter, at: Pos2) {
-    let line = Stroke::new(1.6, theme::ACCENT);
+    let line = Stroke::new(1.6, theme::ACCENT.of(p));
     p.line_segment([at + vec2(-4.0, 4.0), at + vec2(3.5, -3.5)], line);
     p.line_segment([at + vec2(-4.0, 4.0), at + vec2(-1.2, 3.2)], line);
-    p.circle_filled(at + vec2(4.0, -4.0), 1.6, theme::ACCENT);
+    p.circle_filled(at + vec2(4.0, -4.0), 1.6, theme::ACCENT.of(p));
 }
 
 /// The mark of a node with a note: a leaf of paper.
 pub(super) fn note(p: &Painter, at: Pos2) {
     let rect = Rect::from_center_size(at, vec2(8.0, 10.0));
-    let line = Stroke::new(1.0, theme::QUIET);
+    let line = Stroke::new(1.0, theme::QUIET.of(p));
     p.rect_stroke(rect, 1.0, line, StrokeKind::Middle);
     for row in [-2.0, 0.5, 3.0] {
         p.line_segment([at + vec2(-2.2, row), at + vec2(2.2, row)], line);
@@ -218,7 +210,7 @@ pub(super) fn note(p: &Painter, at: Pos2) {
 
 /// The little picture of a stage, about 14 points wide.
 pub(super) fn stage(p: &Painter, at: Pos2, stage: usize) {
-    let line = Stroke::new(1.4, stage_colour(stage));
+    let line = Stroke::new(1.4, stage_colour(stage).of(p));
     let arc = |from: f32, to: f32, r: Vec2, middle: Pos2| -> Vec<Pos2> {
         (0..=10)
             .map(|i| {
@@ -321,17 +313,27 @@ mod tests {
     use theme::contrast;
 
     #[test]
-    fn marks_stand_out_from_what_they_are_drawn_on() {
-        for ty in [Type::Curves, Type::Scalp, Type::Field, Type::Float, Type::Colour, Type::Text] {
-            assert!(contrast(type_colour(Some(ty)), theme::SUNKEN) >= 3.0, "{ty:?}");
-            assert!(contrast(type_colour(Some(ty)), BODY) >= 3.0, "{ty:?}");
-        }
-        for stage in 0..STAGES.len() {
-            assert!(contrast(theme::TEXT, header_fill(stage)) >= 4.5, "{stage}");
-            assert!(contrast(stage_colour(stage), header_fill(stage)) >= 3.0, "{stage}");
-        }
-        for text in [theme::QUIET, theme::ERROR, theme::WARNING] {
-            assert!(contrast(text, BODY) >= 4.5);
+    fn marks_stand_out_from_what_they_are_drawn_on_in_both_themes() {
+        for theme in [egui::Theme::Dark, egui::Theme::Light] {
+            let contrast = |a: Tint, b: Tint| contrast(a.in_theme(theme), b.in_theme(theme));
+            for ty in
+                [Type::Curves, Type::Scalp, Type::Field, Type::Float, Type::Colour, Type::Text]
+            {
+                assert!(contrast(theme::of_type(Some(ty)), BODY) >= 3.0, "{theme:?} {ty:?}");
+            }
+            for stage in 0..STAGES.len() {
+                let header = header_fill(stage);
+                assert!(contrast(theme::TEXT, header) >= 4.5, "{theme:?} {stage}");
+                assert!(contrast(stage_colour(stage), header) >= 3.0, "{theme:?} {stage}");
+            }
+            for text in [theme::TEXT, theme::QUIET, theme::ERROR, theme::WARNING, theme::ACCENT] {
+                assert!(contrast(text, BODY) >= 4.5, "{theme:?} {text:?}");
+            }
+            for (name, colour) in FRAMES {
+                let title = theme::TEXT.in_theme(theme);
+                let under = theme::SUNKEN.in_theme(theme).lerp_to_gamma(colour, 0.16);
+                assert!(theme::contrast(title, under) >= 4.5, "{theme:?} {name}");
+            }
         }
     }
 

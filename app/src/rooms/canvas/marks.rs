@@ -3,10 +3,10 @@
 //! Pure but for the drawing. Each mark has a sign besides its colour. Where things stand on the canvas is no difference.
 
 use super::wires::{Run, Wire};
-use crate::widgets::theme;
+use crate::widgets::theme::{self, Tint};
 use coif_graphs::compare::{Change, Fact, Said};
 use coif_graphs::document::{Document, NodeId};
-use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
+use egui::{Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 use std::collections::BTreeMap;
 
 /// How something differs.
@@ -98,24 +98,24 @@ impl Mark {
         }
     }
     /// Blue, red and yellow keep apart for every eye.
-    pub(crate) fn colour(self) -> Color32 {
+    pub(crate) fn colour(self) -> Tint {
         match self {
-            Self::Added => Color32::from_rgb(96, 178, 245),
-            Self::Removed => Color32::from_rgb(240, 110, 130),
+            Self::Added => Tint::new([96, 178, 245], [0, 121, 219]),
+            Self::Removed => Tint::new([240, 110, 130], [239, 8, 44]),
             Self::Changed => theme::WARNING,
         }
     }
 
     /// Its sign: a plus, a minus, a delta.
     pub(crate) fn sign(self, p: &Painter, at: Pos2, r: f32) {
-        p.circle(at, r, self.colour(), Stroke::new(r * 0.2, theme::SUNKEN));
-        let line = Stroke::new(r * 0.32, theme::SUNKEN);
+        p.circle(at, r, self.colour().of(p), Stroke::new(r * 0.2, theme::SUNKEN.of(p)));
+        let line = Stroke::new(r * 0.32, theme::SUNKEN.of(p));
         let arm = r * 0.55;
         match self {
             Self::Changed => {
                 let corners = [vec2(0.0, -1.0), vec2(0.95, 0.7), vec2(-0.95, 0.7)];
                 let corners = corners.map(|corner| at + corner * arm).to_vec();
-                p.add(Shape::closed_line(corners, Stroke::new(r * 0.24, theme::SUNKEN)));
+                p.add(Shape::closed_line(corners, Stroke::new(r * 0.24, theme::SUNKEN.of(p))));
             }
             Self::Added | Self::Removed => {
                 p.line_segment([at - vec2(arm, 0.0), at + vec2(arm, 0.0)], line);
@@ -129,7 +129,7 @@ impl Mark {
     /// Draws it on a node. `scale` is points of the screen for a unit of the canvas.
     pub(super) fn on_node(self, p: &Painter, rect: Rect, scale: f32) {
         let unit = 1.0 / scale.clamp(0.2, 1.0);
-        let edge = Stroke::new(2.0 * unit, self.colour());
+        let edge = Stroke::new(2.0 * unit, self.colour().of(p));
         p.rect_stroke(rect.expand(2.0 * unit), 6.0, edge, StrokeKind::Outside);
         let r = (8.0 * unit).min(rect.height() * 0.5);
         self.sign(p, rect.right_top(), r);
@@ -140,7 +140,7 @@ impl Mark {
         let unit = 1.0 / scale.clamp(0.2, 1.0);
         let points = run.points(6.0 * unit);
         let middle = points.get(points.len() / 2).copied();
-        p.add(Shape::line(points, Stroke::new(3.4 * unit, self.colour())));
+        p.add(Shape::line(points, Stroke::new(3.4 * unit, self.colour().of(p))));
         if let Some(at) = middle {
             self.sign(p, at, 7.0 * unit);
         }

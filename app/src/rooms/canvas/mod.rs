@@ -225,7 +225,7 @@ impl Canvas {
         let over =
             pointer.filter(|at| area.contains(*at) || !matches!(self.memory.hand, Hand::Empty));
         self.memory.pointer = over.map(|at| self.to_canvas(at));
-        ui.painter().rect_filled(area, 0.0, theme::SUNKEN);
+        ui.painter().rect_filled(area, 0.0, theme::SUNKEN.of(ui));
         let selected: HashSet<egui_graph::NodeId> =
             state.selection.nodes.iter().map(|id| egui_graph::NodeId::new(id.as_str())).collect();
         let (id, scale, looks) = (self.graph_id(), self.scale(), self.looks);

@@ -10,8 +10,8 @@ use crate::core::faces::{Face, Plug, ROW, Trouble, WIDTH};
 use crate::widgets::theme;
 use egui::accesskit::Role;
 use egui::{
-    Align2, Color32, CornerRadius, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2,
-    vec2,
+    Align2, Color32, CornerRadius, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui,
+    Vec2, pos2, vec2,
 };
 
 /// One end of a node: an input or an output, by its number among the node's plugs.
@@ -152,13 +152,14 @@ pub(super) fn describe(
     });
 }
 
-fn outline(mood: Mood) -> Stroke {
-    match mood {
-        Mood { active: true, .. } => Stroke::new(2.0, theme::ACCENT),
-        Mood { selected: true, .. } => Stroke::new(1.4, theme::ACCENT),
-        Mood { near: true, .. } => Stroke::new(1.2, theme::QUIET),
-        _ => Stroke::new(1.0, look::EDGE),
-    }
+fn outline(p: &Painter, mood: Mood) -> Stroke {
+    let (width, tint) = match mood {
+        Mood { active: true, .. } => (2.0, theme::ACCENT),
+        Mood { selected: true, .. } => (1.4, theme::ACCENT),
+        Mood { near: true, .. } => (1.2, theme::QUIET),
+        _ => (1.0, look::EDGE),
+    };
+    Stroke::new(width, tint.of(p))
 }
 
 /// How much of its colour a node keeps.
@@ -170,16 +171,20 @@ fn far(ui: &Ui, face: &Face, rect: Rect, detail: Detail, mood: Mood) {
     // As large on the screen as letters and marks elsewhere.
     let unit = 1.0 / mood.scale.max(0.1);
     let p = ui.painter();
-    let fill = look::header_fill(face.stage);
-    let fill = fill.lerp_to_gamma(look::stage_colour(face.stage), 0.2);
-    p.rect(rect, 4.0, fill.gamma_multiply(strength(face)), outline(mood), StrokeKind::Middle);
+    let fill = look::header_fill(face.stage).mixed(look::stage_colour(face.stage), 0.2);
+    let fill = fill.of(p).gamma_multiply(strength(face));
+    p.rect(rect, 4.0, fill, outline(p, mood), StrokeKind::Middle);
     if face.displayed {
-        p.rect_filled(Rect::from_min_size(rect.min, vec2(8.0, rect.height())), 4.0, theme::ACCENT);
+        p.rect_filled(
+            Rect::from_min_size(rect.min, vec2(8.0, rect.height())),
+            4.0,
+            theme::ACCENT.of(ui),
+        );
     }
     if detail == Detail::Far {
-        let text = line(ui, &face.label, 11.0 * unit, theme::TEXT, rect.width() - 4.0);
+        let text = line(ui, &face.label, 11.0 * unit, theme::TEXT.of(ui), rect.width() - 4.0);
         let at = Align2::CENTER_CENTER.anchor_size(rect.center(), text.size());
-        text.show(p, at.min, theme::TEXT);
+        text.show(p, at.min, theme::TEXT.of(ui));
     }
     trouble_mark(ui, face, rect.left_top(), 6.0 * unit);
 }
@@ -190,7 +195,7 @@ fn plain(ui: &Ui, face: &Face, rect: Rect) {
     if face.displayed {
         look::eye(ui.painter(), pos2(rect.right() - 14.0, middle), true, false);
     }
-    let colour = if face.bypass { theme::QUIET } else { theme::TEXT };
+    let colour = if face.bypass { theme::QUIET.of(ui) } else { theme::TEXT.of(ui) };
     let label = line(ui, &face.label, 17.0, colour, WIDTH - 36.0);
     let at = pos2(rect.left() + 10.0, middle - label.size().y / 2.0);
     label.show(ui.painter(), at, colour);
@@ -212,19 +217,23 @@ fn body(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
         let shadow = rect.translate(vec2(0.0, 2.0)).expand(1.0);
         p.rect_filled(shadow, 6.0, Color32::from_black_alpha(70));
     }
-    p.rect_filled(rect, 5.0, look::BODY.gamma_multiply(strength(face)));
+    p.rect_filled(rect, 5.0, look::BODY.of(p).gamma_multiply(strength(face)));
     let header = Rect::from_min_size(rect.min, vec2(WIDTH, face.header()));
     let radius = if face.collapsed {
         CornerRadius::same(5)
     } else {
         CornerRadius { nw: 5, ne: 5, sw: 0, se: 0 }
     };
-    p.rect_filled(header, radius, look::header_fill(face.stage).gamma_multiply(strength(face)));
-    p.rect_stroke(rect, 5.0, outline(mood), StrokeKind::Middle);
+    p.rect_filled(
+        header,
+        radius,
+        look::header_fill(face.stage).of(p).gamma_multiply(strength(face)),
+    );
+    p.rect_stroke(rect, 5.0, outline(p, mood), StrokeKind::Middle);
     if face.bypass && !face.collapsed && !face.inputs.is_empty() && !face.outputs.is_empty() {
         // The way that hair takes past the node.
         let ends = [face.input_at(rect.min, 0), face.output_at(rect.min, 0)];
-        let line = Stroke::new(1.6, theme::WARNING);
+        let line = Stroke::new(1.6, theme::WARNING.of(ui));
         p.extend(egui::Shape::dashed_line(&ends, line, 6.0, 4.0));
     }
 }
@@ -262,16 +271,16 @@ fn header(ui: &mut Ui, face: &Face, rect: Rect, touched: &mut NodeResponse) {
         look::note(ui.painter(), pos2(right, middle));
         room -= 12.0;
     }
-    let colour = if face.bypass { theme::QUIET } else { theme::TEXT };
+    let colour = if face.bypass { theme::QUIET.of(ui) } else { theme::TEXT.of(ui) };
     let x = rect.left() + 28.0;
     let label = line(ui, &face.label, 13.0, colour, room);
     let (height, p) = (label.size().y, ui.painter());
     match &face.kind {
         Some(kind) => {
-            let kind = line(ui, kind, look::SMALL, theme::QUIET, room);
+            let kind = line(ui, kind, look::SMALL, colour, room);
             let top = middle - (height + kind.size().y - 1.0) / 2.0;
             label.show(p, pos2(x, top), colour);
-            kind.show(p, pos2(x, top + height - 1.0), theme::QUIET);
+            kind.show(p, pos2(x, top + height - 1.0), colour);
         }
         None => {
             label.show(p, pos2(x, middle - height / 2.0), colour);
@@ -286,22 +295,23 @@ fn footer(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
     let p = ui.painter();
     let top = rect.bottom() - crate::core::faces::FOOTER;
     let middle = top + crate::core::faces::FOOTER / 2.0;
-    let (mut x, mut colour, mut text) = (rect.left() + 9.0, theme::QUIET, face.footer.clone());
+    let (mut x, mut colour, mut text) =
+        (rect.left() + 9.0, theme::QUIET.of(ui), face.footer.clone());
     if face.trouble.is_some() && mood.running.is_none() {
         trouble_mark(ui, face, pos2(rect.left() + 13.0, middle - 0.5), 6.0);
         x += 15.0;
     }
     match (&face.trouble, mood.running) {
         (_, Some(_)) => text = "running".to_owned(),
-        (Some(Trouble::Error(why)), _) => (text, colour) = (why.clone(), theme::ERROR),
+        (Some(Trouble::Error(why)), _) => (text, colour) = (why.clone(), theme::ERROR.of(ui)),
         (Some(Trouble::Upstream(of)), _) => text = format!("upstream: {of}"),
-        (Some(Trouble::Warning(_)), _) => colour = theme::WARNING,
+        (Some(Trouble::Warning(_)), _) => colour = theme::WARNING.of(ui),
         _ => {}
     }
     if text.is_empty() {
         text = if face.bypass { "bypassed" } else { "not run yet" }.to_owned();
     }
-    p.hline(rect.x_range().shrink(6.0), top, Stroke::new(1.0, Color32::from_gray(50)));
+    p.hline(rect.x_range().shrink(6.0), top, Stroke::new(1.0, look::RULE.of(p)));
     let room = rect.right() - 8.0 - x;
     let mut words = line(ui, &text, look::SMALL, colour, room);
     // Half a number says nothing: what has no room is left to the tooltip.
@@ -315,9 +325,9 @@ fn footer(ui: &Ui, face: &Face, rect: Rect, mood: Mood) {
     words.show(p, at, colour);
     if let Some(share) = mood.running {
         let bar = Rect::from_min_max(pos2(rect.left() + 1.0, rect.bottom() - 3.0), rect.max);
-        p.rect_filled(bar, 1.0, theme::SUNKEN);
+        p.rect_filled(bar, 1.0, theme::SUNKEN.of(ui));
         let done = Rect::from_min_size(bar.min, vec2(bar.width() * share.clamp(0.02, 1.0), 3.0));
-        p.rect_filled(done, 1.0, theme::ACCENT);
+        p.rect_filled(done, 1.0, theme::ACCENT.of(ui));
     }
 }
 
@@ -352,15 +362,15 @@ fn end(
     let p = ui.painter();
     if plug.many && matches!(end, End::In(_)) && plug.wire.is_none() {
         // Room for one more.
-        p.circle_stroke(at, look::SOCKET + 2.6, Stroke::new(1.0, look::EDGE));
+        p.circle_stroke(at, look::SOCKET + 2.6, Stroke::new(1.0, look::EDGE.of(p)));
     }
     look::socket(p, at, plug.ty, wired || matches!(end, End::Out(_)), bright);
     if mood.named && !face.collapsed {
         let missing = plug.needed && !wired;
         let colour = match (missing, wired || matches!(end, End::Out(_))) {
-            (true, _) => theme::WARNING,
-            (_, true) => theme::TEXT,
-            _ => theme::QUIET,
+            (true, _) => theme::WARNING.of(ui),
+            (_, true) => theme::TEXT.of(ui),
+            _ => theme::QUIET.of(ui),
         };
         let both = face.inputs.len().min(face.outputs.len()) > 0;
         let room = if both { WIDTH / 2.0 + 16.0 } else { WIDTH - 24.0 };
@@ -397,7 +407,7 @@ fn tip(ui: &mut Ui, face: &Face, end: End, plug: &Plug) {
         ui.label(doc);
     }
     if plug.needed && plug.wire.is_none() {
-        ui.colored_label(theme::WARNING, "Required: wire it.");
+        ui.colored_label(theme::WARNING.of(ui), "Required: wire it.");
     }
 }
 
@@ -419,14 +429,14 @@ pub(super) fn node_tip(ui: &mut Ui, face: &Face) {
     }
     match &face.trouble {
         Some(Trouble::Error(why)) => {
-            ui.colored_label(theme::ERROR, format!("\u{2716} {why}"));
+            ui.colored_label(theme::ERROR.of(ui), format!("\u{2716} {why}"));
         }
         Some(Trouble::Upstream(of)) => {
-            ui.colored_label(theme::ERROR, format!("upstream: {of}"));
+            ui.colored_label(theme::ERROR.of(ui), format!("upstream: {of}"));
         }
         Some(Trouble::Warning(said)) => {
             for said in said.iter().take(4) {
-                ui.colored_label(theme::WARNING, format!("\u{26A0} {said}"));
+                ui.colored_label(theme::WARNING.of(ui), format!("\u{26A0} {said}"));
             }
         }
         None => {}

@@ -33,7 +33,13 @@ impl Canvas {
         if state.document.nodes.is_empty() && self.memory.finder.is_none() {
             let text = "Tab adds a node";
             let font = FontId::proportional(14.0);
-            ui.painter().text(area.center(), Align2::CENTER_CENTER, text, font, theme::QUIET);
+            ui.painter().text(
+                area.center(),
+                Align2::CENTER_CENTER,
+                text,
+                font,
+                theme::QUIET.of(ui),
+            );
         }
         if let Some(to) =
             frames::map(ui, area, faces, &found.corners, self.seen(), &|at| self.to_screen(at))
@@ -171,7 +177,7 @@ fn reason(ui: &Ui, area: Rect, at: Pos2, why: &str) {
     let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::new("canvas reason"));
     let p = ui.ctx().layer_painter(layer);
     let font = FontId::proportional(12.0);
-    let text = p.layout(why.to_owned(), font, theme::ERROR, 280.0);
+    let text = p.layout(why.to_owned(), font, theme::ERROR.of(ui), 280.0);
     let size = text.size() + vec2(30.0, 12.0);
     let mut rect = Rect::from_min_size(at + vec2(14.0, 12.0), size);
     rect = rect.translate(vec2(
@@ -181,12 +187,12 @@ fn reason(ui: &Ui, area: Rect, at: Pos2, why: &str) {
     p.rect(
         rect,
         4.0,
-        theme::GROUND,
-        egui::Stroke::new(1.0, theme::ERROR),
+        theme::GROUND.of(ui),
+        egui::Stroke::new(1.0, theme::ERROR.of(ui)),
         egui::StrokeKind::Inside,
     );
     look::error_mark(&p, pos2(rect.left() + 13.0, rect.top() + 14.0), 6.5);
-    p.galley(rect.min + vec2(24.0, 6.0), text, theme::ERROR);
+    p.galley(rect.min + vec2(24.0, 6.0), text, theme::ERROR.of(ui));
     // Told to screen readers as well.
     let id = egui::Id::new("canvas reason text");
     let response = ui.interact(Rect::from_min_size(rect.min, Vec2::ZERO), id, egui::Sense::hover());

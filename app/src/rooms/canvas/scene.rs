@@ -123,7 +123,7 @@ impl Scene<'_> {
                     for (number, (label, colour)) in look::FRAMES.iter().enumerate() {
                         let text = egui::RichText::new(format!("\u{25A0} {label}"));
                         if ui
-                            .button(text.color(colour.lerp_to_gamma(Color32::WHITE, 0.35)))
+                            .button(text.color(colour.lerp_to_gamma(theme::STRONG.of(ui), 0.35)))
                             .clicked()
                         {
                             let frame = coif_graphs::document::Frame {
@@ -454,14 +454,14 @@ impl Scene<'_> {
                     egui::WidgetInfo::labeled(egui::WidgetType::Button, true, label)
                 });
                 let colour = if self.memory.bend == this {
-                    theme::ACCENT
+                    theme::ACCENT.of(ui)
                 } else {
-                    look::type_colour(run.ty)
+                    theme::of_type(run.ty).of(ui)
                 };
                 ui.painter().circle(
                     *at,
                     if bright { 6.0 } else { 4.5 },
-                    theme::SUNKEN,
+                    theme::SUNKEN.of(ui),
                     Stroke::new(2.0, colour),
                 );
                 if response.clicked() || response.drag_started() {
@@ -486,7 +486,7 @@ impl Scene<'_> {
         let p = over(ui, "hand");
         match &self.memory.hand {
             Hand::Cut(line) => {
-                let stroke = Stroke::new(1.6 / self.scale, theme::ERROR);
+                let stroke = Stroke::new(1.6 / self.scale, theme::ERROR.of(ui));
                 p.extend(Shape::dashed_line(line, stroke, 6.0 / self.scale, 4.0 / self.scale));
             }
             Hand::Wire(loose) => {
@@ -538,7 +538,7 @@ impl Scene<'_> {
             }
         }
         for (from, to, ty) in ends {
-            let colour = if refused { theme::ERROR } else { look::type_colour(ty) };
+            let colour = if refused { theme::ERROR.of(p) } else { theme::of_type(ty).of(p) };
             let apart = ((to - from).abs().max_elem() / 200.0).max(6.0);
             let points: Vec<Pos2> = wires::path(from, &[], to).flatten(apart).collect();
             let stroke = Stroke::new(2.4, colour);
@@ -574,11 +574,11 @@ struct Tone {
 
 fn draw(p: &Painter, run: &Run, scale: f32, tone: Tone) {
     let points = run.points(6.0 / scale.clamp(0.15, 1.0));
-    let base = look::type_colour(run.ty).gamma_multiply(0.82);
+    let base = theme::of_type(run.ty).of(p).gamma_multiply(0.82);
     let (colour, wide) = match tone {
-        Tone { marked: true, .. } => (theme::ACCENT, 2.0),
-        Tone { selected: true, .. } => (theme::ACCENT, 0.8),
-        Tone { hovered: true, .. } => (base.lerp_to_gamma(Color32::WHITE, 0.5), 0.6),
+        Tone { marked: true, .. } => (theme::ACCENT.of(p), 2.0),
+        Tone { selected: true, .. } => (theme::ACCENT.of(p), 0.8),
+        Tone { hovered: true, .. } => (base.lerp_to_gamma(theme::STRONG.of(p), 0.5), 0.6),
         _ => (base, 0.0),
     };
     // Hair is thick, heads are thin, numbers are dashed.
@@ -611,10 +611,11 @@ fn dots(ui: &Ui, scale: f32) {
     }
     let first = pos2((seen.left() / step).floor() * step, (seen.top() / step).floor() * step);
     let mut mesh = Mesh::default();
+    let ink = look::DOTS.of(ui);
     for row in 0..rows {
         for column in 0..columns {
             let at = first + step * vec2(column as f32, row as f32);
-            mesh.add_colored_rect(Rect::from_center_size(at, size), look::DOTS);
+            mesh.add_colored_rect(Rect::from_center_size(at, size), ink);
         }
     }
     ui.painter().add(Shape::mesh(mesh));

@@ -87,7 +87,7 @@ pub(crate) fn sized(document: Document, size: Vec2) -> Window {
         .with_max_steps(64)
         .with_step_dt(1.0 / 60.0)
         .build_ui_state(|ui, desk: &mut Desk| desk.ui(ui), desk);
-    crate::widgets::theme::apply(&window.ctx, false);
+    crate::widgets::theme::apply(&window.ctx, egui::Theme::Dark, false);
     window.run_steps(3);
     window
 }

@@ -722,7 +722,7 @@ fn pictures() {
     w.run_steps(3);
     w.render().unwrap().save(file("half")).unwrap();
     let mut ui = editor(document("cornrows"));
-    crate::widgets::theme::apply(&ui.ctx, false);
+    crate::widgets::theme::apply(&ui.ctx, egui::Theme::Dark, false);
     until("it is evaluated", || {
         ui.step();
         ui.state().is_idle()

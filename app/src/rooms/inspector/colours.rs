@@ -7,6 +7,7 @@
 use super::target::{EditTarget, How, InputSetting};
 use super::wheel;
 use crate::widgets::text::text_field;
+use crate::widgets::theme;
 use coif_graphs::document::Setting;
 use coif_nodes::define::{InputDef, NodeDef, Value};
 use coif_nodes::maths::hair_colour::{absorption_of_melanin, colour_of};
@@ -223,9 +224,9 @@ fn swatch(ui: &mut Ui, name: &str, [root, tip]: [[u8; 3]; 2], chosen: bool) -> b
     let at = inner.center() - 0.5 * text.size();
     ui.painter().galley(at, text, ink);
     let line = match (chosen, response.hovered()) {
-        (true, _) => Stroke::new(2.0, crate::widgets::theme::ACCENT),
-        (_, true) => Stroke::new(1.0, Color32::WHITE),
-        _ => Stroke::new(1.0, crate::widgets::theme::LINE),
+        (true, _) => Stroke::new(2.0, theme::ACCENT.of(ui)),
+        (_, true) => Stroke::new(1.0, theme::STRONG.of(ui)),
+        _ => Stroke::new(1.0, theme::LINE.of(ui)),
     };
     ui.painter().rect_stroke(rect.shrink(1.0), 2.0, line, StrokeKind::Inside);
     response.on_hover_text(name).clicked()

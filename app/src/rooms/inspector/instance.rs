@@ -15,9 +15,9 @@ const LIST: f32 = 160.0;
 pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out: &mut Vec<Event>) {
     let mut say = |event: templates::TemplateEvent| out.push(Event::Templates(event));
     let made_of = format!("Made of {} {}", origin.name, origin.version);
-    ui.add(Label::new(RichText::new(made_of.trim_end()).color(theme::QUIET)).truncate())
+    ui.add(Label::new(RichText::new(made_of.trim_end()).color(theme::QUIET.of(ui))).truncate())
         .on_hover_text(from(origin));
-    let quiet = |ui: &mut Ui, text: &str| ui.label(RichText::new(text).color(theme::QUIET));
+    let quiet = |ui: &mut Ui, text: &str| ui.label(RichText::new(text).color(theme::QUIET.of(ui)));
     if origin.locked {
         ui.horizontal_wrapped(|ui| {
             quiet(ui, "Kept at this version.");
@@ -38,7 +38,7 @@ pub(super) fn show(state: &State, ui: &mut Ui, id: &NodeId, origin: &Origin, out
                 true => format!("The library has another version {}", newer.origin.version),
                 false => format!("Version {} is in the library", newer.origin.version),
             };
-            ui.label(RichText::new(format!("⬆ {text}")).color(theme::ACCENT));
+            ui.label(RichText::new(format!("⬆ {text}")).color(theme::ACCENT.of(ui)));
             let offer = state.offer.as_ref().filter(|offer| offer.id == *id);
             if let Some(offer) = offer {
                 told(ui, &offer.overrides, offer.changed_inside);
@@ -91,7 +91,7 @@ fn from(origin: &Origin) -> String {
 fn told(ui: &mut Ui, told: &[OverrideOutcome], changed_inside: bool) {
     if changed_inside {
         let text = "⚠ It was changed inside: these changes would be lost.";
-        ui.label(RichText::new(text).color(theme::WARNING));
+        ui.label(RichText::new(text).color(theme::WARNING.of(ui)));
     }
     if told.is_empty() {
         ui.label("Nothing is set on it or wired to it: nothing can be lost.");
@@ -109,10 +109,10 @@ fn told(ui: &mut Ui, told: &[OverrideOutcome], changed_inside: bool) {
     list.show(ui, |ui| {
         for told in told {
             let (sign, colour) = match told.fate {
-                Fate::Lost { .. } => ("✖", theme::ERROR),
-                Fate::Clamped { .. } => ("⚠", theme::WARNING),
-                Fate::Moved { .. } => ("⏵", theme::TEXT),
-                Fate::Kept => ("•", theme::QUIET),
+                Fate::Lost { .. } => ("✖", theme::ERROR.of(ui)),
+                Fate::Clamped { .. } => ("⚠", theme::WARNING.of(ui)),
+                Fate::Moved { .. } => ("⏵", theme::TEXT.of(ui)),
+                Fate::Kept => ("•", theme::QUIET.of(ui)),
             };
             let text = format!("{sign} {told}");
             let line = ui.add(Label::new(RichText::new(&text).color(colour)).truncate());

@@ -25,7 +25,7 @@ use crate::core::notes::Gravity;
 use crate::core::shown::Shown;
 use crate::core::state::{Select, State};
 use crate::widgets::text::{self, icon_button, set_name, text_field};
-use crate::widgets::theme;
+use crate::widgets::theme::{self, Tint};
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::graph::{self, Problem, Severity};
 use coif_graphs::document::{Node, NodeId, Setting};
@@ -33,7 +33,7 @@ use coif_graphs::text::write_value;
 use coif_nodes::data::attributes::{Column, DECLARED};
 use coif_nodes::declared;
 use coif_nodes::define::{Group, InputDef, NodeDef, NodeError, Type};
-use egui::{Color32, Label, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Label, RichText, ScrollArea, TextEdit, Ui};
 use field::FieldNames;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Weak};
@@ -193,7 +193,7 @@ impl Inspector {
                 let sign = if self.says_all { "⏷" } else { "⏵" };
                 let text = format!("{sign} {} {}{more}", worst.sign(), worst.text);
                 let whole = text.clone();
-                let text = RichText::new(text).color(worst.colour());
+                let text = RichText::new(text).color(worst.colour().of(ui));
                 let line = ui.add(Label::new(text).truncate().sense(egui::Sense::click()));
                 // Also what does not fit.
                 ui.ctx().accesskit_node_builder(line.id, |node| node.set_value(whole));
@@ -294,7 +294,7 @@ impl Said {
         }
     }
 
-    fn colour(&self) -> Color32 {
+    fn colour(&self) -> Tint {
         match self.gravity {
             Gravity::Error => theme::ERROR,
             Gravity::Warning => theme::WARNING,
@@ -305,14 +305,14 @@ impl Said {
     fn show(&self, ui: &mut Ui, state: &State, out: &mut Vec<Event>) {
         ui.horizontal_wrapped(|ui| {
             if let Some(above) = &self.above {
-                ui.colored_label(self.colour(), "◇ upstream:");
+                ui.colored_label(self.colour().of(ui), "◇ upstream:");
                 if ui.link(state.document.name_of(above)).clicked() {
                     out.push(Event::Select(Select::Nodes(vec![above.clone()])));
                 }
                 return;
             }
             let text = format!("{} {}", self.sign(), self.text);
-            ui.label(RichText::new(text).color(self.colour()));
+            ui.label(RichText::new(text).color(self.colour().of(ui)));
             if !self.curves.is_empty() && ui.link("select").clicked() {
                 out.push(Event::Select(Select::Curves(self.curves.clone())));
             }
@@ -349,7 +349,7 @@ fn heading(
         _ => group.name().to_owned(),
     };
     let sign = if open { "⏷" } else { "⏵" };
-    let text = RichText::new(format!("{sign} {name}")).color(theme::ACCENT);
+    let text = RichText::new(format!("{sign} {name}")).color(theme::ACCENT.of(ui));
     ui.add_space(4.0);
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let line = egui::Button::new(text).frame(false).right_text("").truncate().min_size(size);
@@ -440,7 +440,7 @@ fn header(
         set_name(ui, &menu.response, "More about the node");
     });
     ui.horizontal(|ui| {
-        let kind = ui.add(egui::Label::new(RichText::new(kind).color(theme::ACCENT)));
+        let kind = ui.add(egui::Label::new(RichText::new(kind).color(theme::ACCENT.of(ui))));
         if let Some(def) = def {
             kind.on_hover_ui(|ui| {
                 ui.set_max_width(420.0);
@@ -516,7 +516,7 @@ fn kept<'a>(
 fn document(state: &State, ui: &mut Ui, out: &mut Vec<Event>) {
     let width = ui.available_width();
     let document = &state.document;
-    ui.label(RichText::new("Groom").color(theme::ACCENT));
+    ui.label(RichText::new("Groom").color(theme::ACCENT.of(ui)));
     if let Some(title) = text_field(ui, "Title", &document.title, "Title", (width, 1)) {
         out.push(Event::Edit(Edit::SetTitle(title)));
     }

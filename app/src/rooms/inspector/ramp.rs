@@ -386,10 +386,10 @@ impl View {
         selected: Option<usize>,
     ) {
         let painter = ui.painter_at(response.rect);
-        let line = if response.has_focus() { theme::ACCENT } else { theme::LINE };
+        let line = if response.has_focus() { theme::ACCENT.of(ui) } else { theme::LINE.of(ui) };
         let frame = response.rect;
-        painter.rect(frame, 3, theme::SUNKEN, Stroke::new(1.0, line), StrokeKind::Inside);
-        let grid = Stroke::new(1.0, egui::Color32::from_gray(38));
+        painter.rect(frame, 3, theme::SUNKEN.of(ui), Stroke::new(1.0, line), StrokeKind::Inside);
+        let grid = Stroke::new(1.0, theme::STRIPE.of(ui));
         for i in 0..=4 {
             let x = egui::lerp(self.rect.x_range(), i as f32 / 4.0);
             painter.vline(x, frame.y_range().shrink(1.0), grid);
@@ -416,16 +416,16 @@ impl View {
             points.insert(0, pos2(self.rect.left(), first.y));
             points.push(pos2(self.rect.right(), last.y));
         }
-        painter.add(Shape::line(points, Stroke::new(1.6, theme::ACCENT)));
+        painter.add(Shape::line(points, Stroke::new(1.6, theme::ACCENT.of(ui))));
         let hovered = response.hover_pos().and_then(|at| self.nearest(ramp, at));
         for (i, stop) in ramp.stops().iter().enumerate() {
             let size = if hovered == Some(i) { 5.5 } else { 4.5 };
-            let fill = if selected == Some(i) { theme::ACCENT } else { theme::PANEL };
-            painter.circle(self.pos(*stop), size, fill, Stroke::new(1.5, theme::ACCENT));
+            let fill = if selected == Some(i) { theme::ACCENT.of(ui) } else { theme::PANEL.of(ui) };
+            painter.circle(self.pos(*stop), size, fill, Stroke::new(1.5, theme::ACCENT.of(ui)));
         }
         let font = TextStyle::Small.resolve(ui.style());
         let corner = |x: f32, y: f32, align: Align2, text: String| {
-            painter.text(pos2(x, y), align, text, font.clone(), theme::QUIET);
+            painter.text(pos2(x, y), align, text, font.clone(), theme::QUIET.of(ui));
         };
         let (left, right) = (frame.left() + 4.0, frame.right() - 4.0);
         corner(left, frame.bottom() - 2.0, Align2::LEFT_BOTTOM, "root".to_owned());

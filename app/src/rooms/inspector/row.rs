@@ -12,7 +12,7 @@ use coif_graphs::document::Socket;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::text::write_value;
 use coif_nodes::define::{Arity, InputDef, Type, Value};
-use egui::{Align2, Color32, CursorIcon, Response, Sense, Stroke, TextStyle, Ui, Vec2, vec2};
+use egui::{Align2, CursorIcon, Response, Sense, Stroke, TextStyle, Ui, Vec2, vec2};
 
 /// Room for the socket before the name, and for the reset behind the value.
 const EDGE: f32 = 20.0;
@@ -64,22 +64,10 @@ pub(crate) fn show(
     });
 }
 
-/// The colour of a type, on the canvas and here.
-fn colour(ty: Type) -> Color32 {
-    match ty {
-        Type::Curves => Color32::from_rgb(236, 170, 92),
-        Type::Scalp => Color32::from_rgb(214, 140, 160),
-        Type::Field | Type::Float | Type::Int => Color32::from_rgb(130, 180, 220),
-        Type::Ramp => Color32::from_rgb(150, 200, 150),
-        Type::Vec3 | Type::Colour => Color32::from_rgb(190, 160, 230),
-        _ => Color32::from_gray(150),
-    }
-}
-
 /// The socket: filled when wired, a ring when the canvas shows it, a dot when it does not.
 fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, height: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(EDGE, height), PRESSED);
-    let colour = colour(input.ty);
+    let colour = theme::of_type(Some(input.ty)).of(ui);
     let wired = !target.wires(input).is_empty();
     let only_wire = matches!(input.ty, Type::Curves | Type::Scalp);
     let sockets: Vec<Socket> =
@@ -92,9 +80,9 @@ fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, he
     } else if only_wire || exposed {
         painter.circle_stroke(centre, 4.0, Stroke::new(1.5, colour));
     } else if response.hovered() {
-        painter.circle_stroke(centre, 4.0, Stroke::new(1.0, theme::QUIET));
+        painter.circle_stroke(centre, 4.0, Stroke::new(1.0, theme::QUIET.of(ui)));
     } else {
-        painter.circle_filled(centre, 1.5, theme::LINE);
+        painter.circle_filled(centre, 1.5, theme::LINE.of(ui));
     }
     if only_wire {
         return;
@@ -121,12 +109,12 @@ fn socket(ui: &mut Ui, target: &mut EditTarget, input: &InputDef, name: &str, he
 fn label(ui: &mut Ui, target: &EditTarget, input: &InputDef, name: &str, size: Vec2) -> Response {
     let (rect, response) = ui.allocate_exact_size(size, PRESSED);
     let changed = target.is_changed(input);
-    let colour = if changed { theme::TEXT } else { theme::QUIET };
+    let colour = if changed { theme::TEXT.of(ui) } else { theme::QUIET.of(ui) };
     let font = TextStyle::Body.resolve(ui.style());
     let painter = ui.painter_at(rect);
     if changed {
         let bar = egui::Rect::from_min_size(rect.min + vec2(0.0, 5.0), vec2(2.0, size.y - 10.0));
-        painter.rect_filled(bar, 1.0, theme::ACCENT);
+        painter.rect_filled(bar, 1.0, theme::ACCENT.of(ui));
     }
     painter.text(rect.left_center() + vec2(6.0, 0.0), Align2::LEFT_CENTER, name, font, colour);
     response.on_hover_ui(|ui| tooltip(ui, target, input, name))
@@ -138,7 +126,7 @@ pub(crate) fn tooltip(ui: &mut Ui, target: &EditTarget, input: &InputDef, name: 
     ui.strong(name);
     ui.label(input.doc());
     if let Some(why) = target.idle(input) {
-        ui.colored_label(theme::WARNING, format!("Has no effect now: {why}."));
+        ui.colored_label(theme::WARNING.of(ui), format!("Has no effect now: {why}."));
     }
     let scale = Scale::of(input);
     let mut facts = vec![];
@@ -202,7 +190,7 @@ fn reset(ui: &mut Ui, target: &mut EditTarget, input: &'static InputDef, name: &
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_role(egui::accesskit::Role::Button);
     });
-    let colour = if response.hovered() { theme::TEXT } else { theme::QUIET };
+    let colour = if response.hovered() { theme::TEXT.of(ui) } else { theme::QUIET.of(ui) };
     let font = TextStyle::Body.resolve(ui.style());
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, "⟲", font, colour);
     if response.clicked() {

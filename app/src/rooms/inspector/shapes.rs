@@ -112,9 +112,9 @@ fn paint(
     let to = move |p: Point| centre + Vec2::new(p.x, -p.y) * scale;
     let line: Vec<Pos2> = points.iter().filter(|p| p.is_finite()).map(|p| to(*p)).collect();
     let painter = ui.painter_at(rect);
-    let frame = Stroke::new(1.0, theme::LINE);
-    painter.rect(rect, 3, theme::SUNKEN, frame, StrokeKind::Inside);
-    painter.add(Shape::closed_line(line, Stroke::new(1.5, theme::ACCENT)));
+    let frame = Stroke::new(1.0, theme::LINE.of(ui));
+    painter.rect(rect, 3, theme::SUNKEN.of(ui), frame, StrokeKind::Inside);
+    painter.add(Shape::closed_line(line, Stroke::new(1.5, theme::ACCENT.of(ui))));
     to
 }
 
@@ -305,7 +305,7 @@ fn drawing(ui: &mut Ui, name: &str, points: &[Point], width: f32) -> Option<(Tur
     };
     for p in points.iter().filter(|p| p.is_finite()) {
         let dot = ui.painter_at(rect);
-        dot.circle(to(*p), 4.0, theme::PANEL, Stroke::new(1.5, theme::ACCENT));
+        dot.circle(to(*p), 4.0, theme::PANEL.of(ui), Stroke::new(1.5, theme::ACCENT.of(ui)));
     }
     let key = id.with("point");
     if response.drag_started() {

@@ -218,7 +218,7 @@ impl NumberField<'_> {
         let visuals = ui.style().interact(response);
         let painter = ui.painter_at(rect.expand(1.0));
         let rounding = visuals.corner_radius;
-        painter.rect(rect, rounding, theme::SUNKEN, Stroke::NONE, StrokeKind::Inside);
+        painter.rect(rect, rounding, theme::SUNKEN.of(ui), Stroke::NONE, StrokeKind::Inside);
         if let (Some(x), Some((lo, hi)), None) = (self.value, self.scale.slider, self.instead)
             && hi > lo
         {
@@ -230,16 +230,17 @@ impl NumberField<'_> {
                 pos2(egui::lerp(rect.x_range(), a.max(b)), rect.bottom()),
             );
             let fill = if response.hovered() || response.dragged() {
-                theme::SELECTED
+                theme::SELECTED.of(ui)
             } else {
-                theme::RAISED
+                theme::RAISED.of(ui)
             };
             painter.rect(bar, rounding, fill, Stroke::NONE, StrokeKind::Inside);
             let at = egui::lerp(rect.x_range(), a).clamp(rect.left() + 1.0, rect.right() - 1.0);
-            let mark = theme::ACCENT.gamma_multiply(if response.hovered() { 1.0 } else { 0.55 });
+            let mark =
+                theme::ACCENT.of(ui).gamma_multiply(if response.hovered() { 1.0 } else { 0.55 });
             painter.vline(at, rect.y_range().shrink(1.0), Stroke::new(1.5, mark));
         }
-        let line = if response.hovered() { visuals.bg_stroke.color } else { theme::LINE };
+        let line = if response.hovered() { visuals.bg_stroke.color } else { theme::LINE.of(ui) };
         painter.rect_stroke(rect, rounding, Stroke::new(1.0, line), StrokeKind::Inside);
         let quiet = self.value.is_none() || self.instead.is_some();
         painter.text(
@@ -247,7 +248,7 @@ impl NumberField<'_> {
             Align2::RIGHT_CENTER,
             self.text(),
             TextStyle::Body.resolve(ui.style()),
-            if quiet { theme::QUIET } else { theme::TEXT },
+            if quiet { theme::QUIET.of(ui) } else { theme::TEXT.of(ui) },
         );
     }
 }

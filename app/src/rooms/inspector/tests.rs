@@ -36,7 +36,7 @@ pub(super) fn hands(document: Document, nodes: &[&str], size: (f32, f32)) -> Han
     let mut hands =
         Harness::builder().with_size(vec2(size.0, size.1)).with_step_dt(0.02).build_ui_state(
             |ui, bench: &mut Bench| {
-                theme::apply(ui.ctx(), false);
+                theme::apply(ui.ctx(), egui::Theme::Dark, false);
                 let mut out = vec![];
                 bench.inspector.ui(&bench.editor.state, ui, &mut out);
                 for event in out {

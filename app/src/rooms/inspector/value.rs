@@ -51,7 +51,8 @@ pub(crate) fn show(
                 Arity::One => "Not connected: wire it on the canvas",
                 _ => "Not connected",
             };
-            let colour = if input.arity == Arity::One { theme::WARNING } else { theme::QUIET };
+            let colour =
+                if input.arity == Arity::One { theme::WARNING.of(ui) } else { theme::QUIET.of(ui) };
             ui.horizontal(|ui| {
                 ui.set_height(ui.spacing().interact_size.y);
                 ui.colored_label(colour, text);

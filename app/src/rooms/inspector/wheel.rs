@@ -7,6 +7,7 @@ use super::target::How;
 use crate::widgets::keyboard::keep_arrows;
 use crate::widgets::panel;
 use crate::widgets::text::set_name;
+use crate::widgets::theme;
 use egui::ecolor::Hsva;
 use egui::{
     Color32, Key, Mesh, Popup, PopupCloseBehavior, Pos2, Response, Sense, Shape, Slider, Stroke,
@@ -78,8 +79,8 @@ fn button(ui: &mut Ui, name: &str, colour: Srgb) -> Response {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ColorButton, true, name));
     let line = match response.hovered() || response.has_focus() {
-        true => Stroke::new(1.0, Color32::WHITE),
-        false => Stroke::new(1.0, crate::widgets::theme::LINE),
+        true => Stroke::new(1.0, theme::STRONG.of(ui)),
+        false => Stroke::new(1.0, theme::LINE.of(ui)),
     };
     let [r, g, b] = colour;
     ui.painter().rect(rect.shrink(2.0), 2.0, Color32::from_rgb(r, g, b), line, StrokeKind::Outside);
@@ -107,7 +108,7 @@ fn wheel(ui: &mut Ui, name: &str, hsva: &mut Hsva) -> How {
     let painter = ui.painter();
     painter.add(Shape::mesh(disc(middle, hsva.v)));
     if response.has_focus() {
-        painter.circle_stroke(middle, RADIUS, Stroke::new(1.0, Color32::WHITE));
+        painter.circle_stroke(middle, RADIUS, Stroke::new(1.0, theme::STRONG.of(ui)));
     }
     let at = middle + Vec2::angled(hsva.h * TAU) * hsva.s * (RADIUS - 1.0);
     painter.circle(at, 5.0, Color32::from(*hsva), Stroke::new(2.0, Color32::WHITE));

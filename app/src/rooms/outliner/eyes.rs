@@ -4,7 +4,7 @@ use super::tree::TreeRow;
 use crate::core::event::Event;
 use crate::core::state::State;
 use crate::core::visibility::Visibility;
-use crate::widgets::theme;
+use crate::widgets::theme::{self, Tint};
 use egui::{Align2, Rect, Sense, TextStyle, Ui, WidgetInfo, WidgetType, pos2, vec2};
 use std::collections::BTreeSet;
 
@@ -68,13 +68,13 @@ impl Eye {
         }
     }
 
-    fn colour(self, on: bool, hovered: bool) -> egui::Color32 {
+    fn colour(self, on: bool, hovered: bool) -> Tint {
         match (self, on || hovered) {
             (Eye::Isolate, true) if on => theme::ACCENT,
             (_, true) => theme::TEXT,
             // What is not in use steps back.
             (Eye::Hide, false) => theme::QUIET,
-            _ => theme::QUIET.gamma_multiply(0.5),
+            _ => theme::QUIET.faded(0.5),
         }
     }
 }
@@ -94,7 +94,7 @@ pub(super) fn eye_buttons(
         let left = line.right() - height * (3 - i) as f32;
         let at = Rect::from_min_size(pos2(left, line.top()), vec2(height, height));
         let response = ui.interact(at, id.with(what), Sense::click());
-        let (sign, colour) = (eye.sign(on), eye.colour(on, response.hovered()));
+        let (sign, colour) = (eye.sign(on), eye.colour(on, response.hovered()).of(ui));
         let font = TextStyle::Body.resolve(ui.style());
         ui.painter_at(line).text(at.center(), Align2::CENTER_CENTER, sign, font, colour);
         let name = format!("{what} {}", row.name);

@@ -226,12 +226,12 @@ impl Outliner {
         };
         let painter = ui.painter_at(line);
         if is_selected {
-            painter.rect_filled(line, 2.0, theme::SELECTED);
+            painter.rect_filled(line, 2.0, theme::SELECTED.of(ui));
         } else if response.hovered() {
-            painter.rect_filled(line, 2.0, egui::Color32::from_gray(42));
+            painter.rect_filled(line, 2.0, theme::STRIPE.of(ui));
         }
         if cursor {
-            let stroke = Stroke::new(1.0, theme::ACCENT);
+            let stroke = Stroke::new(1.0, theme::ACCENT.of(ui));
             painter.rect_stroke(line, 2.0, stroke, StrokeKind::Inside);
         }
         let height = line.height();
@@ -242,7 +242,7 @@ impl Outliner {
             let button = ui.interact(arrow, id.with("arrow"), Sense::click());
             let font = TextStyle::Small.resolve(ui.style());
             let sign = if open { "⏷" } else { "⏵" };
-            painter.text(arrow.center(), Align2::CENTER_CENTER, sign, font, theme::QUIET);
+            painter.text(arrow.center(), Align2::CENTER_CENTER, sign, font, theme::QUIET.of(ui));
             let what = if open { "Close" } else { "Open" };
             let name = format!("{what} {}", row.name);
             button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
@@ -258,7 +258,8 @@ impl Outliner {
         }
         let hidden = !row.names.is_empty()
             && row.names.iter().all(|name| state.visibility.hidden.contains(name));
-        let colour = if hidden { theme::QUIET.gamma_multiply(0.7) } else { theme::TEXT };
+        let colour =
+            if hidden { theme::QUIET.of(ui).gamma_multiply(0.7) } else { theme::TEXT.of(ui) };
         let body = TextStyle::Body.resolve(ui.style());
         let small = TextStyle::Small.resolve(ui.style());
         let clip = Rect::from_min_max(pos2(left, line.top()), pos2(right, line.bottom()));
@@ -267,13 +268,14 @@ impl Outliner {
         let count = row.curves.map_or(0.0, |curves| {
             let at = pos2(right, middle);
             let count = grouped(curves);
-            text.text(at, Align2::RIGHT_CENTER, count, small.clone(), theme::QUIET).width() + 8.0
+            text.text(at, Align2::RIGHT_CENTER, count, small.clone(), theme::QUIET.of(ui)).width()
+                + 8.0
         });
         let names = clip.with_max_x((right - count).max(left));
         let text = painter.with_clip_rect(names.intersect(painter.clip_rect()));
         let end = text.text(pos2(left, middle), Align2::LEFT_CENTER, &row.name, body, colour);
         let at = pos2(end.right() + 8.0, middle);
-        text.text(at, Align2::LEFT_CENTER, &row.kind, small, theme::QUIET);
+        text.text(at, Align2::LEFT_CENTER, &row.kind, small, theme::QUIET.of(ui));
         let name = &row.name;
         response.widget_info(|| {
             WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, name)

@@ -56,7 +56,7 @@ fn hands(groom: &str, curves: Curves) -> (Harness<'static, Bench>, NodeId) {
     let mut hands =
         Harness::builder().with_size(vec2(300.0, 900.0)).with_step_dt(0.02).build_ui_state(
             |ui, bench: &mut Bench| {
-                theme::apply(ui.ctx(), false);
+                theme::apply(ui.ctx(), egui::Theme::Dark, false);
                 let mut out = vec![];
                 bench.outliner.ui(&bench.editor.state, ui, &mut out);
                 for event in out {

@@ -86,13 +86,13 @@ fn strokes(tool: PenTool, still: Option<Input>, painter: &Painter, scene: &mut S
     if let Some(StrokePlace::Point(id, i)) = hovered
         && let Some(p) = scene.shapes.of(id).and_then(|shape| shape.screen[i])
     {
-        painter.circle_stroke(p, POINT + 3.0, Stroke::new(1.5, theme::ACCENT));
+        painter.circle_stroke(p, POINT + 3.0, Stroke::new(1.5, theme::ACCENT.dark));
     }
 }
 
 fn stroke(tool: PenTool, shape: &Shape, hovered: bool, painter: &Painter, scene: &Scene) {
     let picked = scene.picked.strokes.contains(&shape.id);
-    let colour = if picked || hovered { theme::ACCENT } else { LINE };
+    let colour = if picked || hovered { theme::ACCENT.dark } else { LINE };
     // While strokes are drawn the hair matters more than those that are done.
     let width = match (picked, tool) {
         (true, _) => 2.5,
@@ -133,7 +133,7 @@ fn stroke(tool: PenTool, shape: &Shape, hovered: bool, painter: &Painter, scene:
         let picked = scene.picked.points.contains(&(shape.id, i));
         let radius = if picked { POINT + 2.0 } else { POINT };
         painter.add(mark(radius + 1.0, EDGE));
-        painter.add(mark(radius, if picked { theme::ACCENT } else { Color32::WHITE }));
+        painter.add(mark(radius, if picked { theme::ACCENT.dark } else { Color32::WHITE }));
     }
 }
 
@@ -142,7 +142,7 @@ fn cursor(tool: PenTool, input: &Input, still: bool, painter: &Painter, scene: &
     let at = input.sample.pos;
     if tool.has_brush() || input.sample.tool == Tool::Eraser {
         let radius = scene.state.settings.pen.brush();
-        brush(painter, scene, at, radius, theme::ACCENT);
+        brush(painter, scene, at, radius, theme::ACCENT.dark);
         let half = match tool {
             _ if input.sample.tool == Tool::Eraser => None,
             PenTool::Comb | PenTool::Smooth => Some(edits::Pass::half()),
@@ -150,11 +150,11 @@ fn cursor(tool: PenTool, input: &Input, still: bool, painter: &Painter, scene: &
             _ => None,
         };
         if let Some(half) = half {
-            brush(painter, scene, at, half * radius, theme::ACCENT.gamma_multiply(HALF));
+            brush(painter, scene, at, half * radius, theme::ACCENT.dark.gamma_multiply(HALF));
         }
     }
     if tool == PenTool::Draw && still {
-        painter.circle(at, 2.5, theme::ACCENT, Stroke::new(1.0, EDGE));
+        painter.circle(at, 2.5, theme::ACCENT.dark, Stroke::new(1.0, EDGE));
         if input.sample.tool == Tool::Mouse {
             let words = format!("{:.0} %", scene.state.settings.pen.mouse_pressure * 100.0);
             let (side, align) = match input.left_handed {
@@ -199,11 +199,11 @@ pub(super) fn ink(painter: &Painter, scene: &Scene, stroke: &GrowingStroke) {
             }
         }
     };
-    line(stroke.world(), theme::ACCENT);
+    line(stroke.world(), theme::ACCENT.dark);
     if scene.is_mirrored() {
         let place = |s: &Sample| scene.scalp.place(s.position * Vec3::new(-1.0, 1.0, 1.0));
         let twin: Vec<Vec3> = stroke.samples().iter().map(place).collect();
-        line(&twin, theme::ACCENT.gamma_multiply(0.5));
+        line(&twin, theme::ACCENT.dark.gamma_multiply(0.5));
     }
 }
 
@@ -224,7 +224,7 @@ fn faint(painter: &Painter, run: Vec<Pos2>, stroke: Stroke) {
 /// A line around what would be picked.
 pub(super) fn outline(painter: &Painter, mut places: Vec<Pos2>) {
     places.extend(places.first().copied());
-    painter.add(Drawn::line(places, Stroke::new(1.0, theme::ACCENT)));
+    painter.add(Drawn::line(places, Stroke::new(1.0, theme::ACCENT.dark)));
 }
 
 /// Why a touch did nothing, where it ended, for as long as that is told.
@@ -242,8 +242,8 @@ fn tell(ui: &egui::Ui, painter: &Painter, scene: &Scene) {
 
 pub(super) fn label(painter: &Painter, at: Pos2, align: Align2, words: &str) {
     let font = FontId::proportional(12.0);
-    let galley = painter.layout_no_wrap(words.to_owned(), font, theme::TEXT);
+    let galley = painter.layout_no_wrap(words.to_owned(), font, theme::TEXT.dark);
     let rect = align.anchor_size(at, galley.size());
-    painter.rect_filled(rect.expand(4.0), 3.0, theme::GROUND.gamma_multiply(0.8));
-    painter.galley(rect.min, galley, theme::TEXT);
+    painter.rect_filled(rect.expand(4.0), 3.0, theme::GROUND.dark.gamma_multiply(0.8));
+    painter.galley(rect.min, galley, theme::TEXT.dark);
 }

@@ -9,7 +9,7 @@ use crate::core::state::State;
 use crate::widgets::{icons, panel, theme};
 use coif_graphs::document::edit::Edit;
 use coif_nodes::data::gestures::{Layer, Tool};
-use egui::{Color32, ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
+use egui::{ComboBox, Pos2, Sense, Shape, Slider, Stroke, Ui, Vec2};
 
 /// The bar takes no more than this of the room's height.
 const SHARE: f32 = 0.4;
@@ -90,7 +90,7 @@ impl Pen {
         line.show(ui, |ui| {
             ui.horizontal(|ui| {
                 if let Some(Of { label, tip, .. }) = action {
-                    let quiet = egui::RichText::new(*label).color(theme::QUIET);
+                    let quiet = egui::RichText::new(*label).color(theme::QUIET.of(ui));
                     ui.label(quiet).on_hover_text(*tip);
                 }
                 match self.tool {
@@ -390,14 +390,19 @@ fn curve(ui: &mut Ui, curve: &mut Curve) {
         let light = ui.data(|data| data.get_temp(id)).unwrap_or(true);
         *(if light { &mut curve.light } else { &mut curve.heavy }) = off(p);
     }
-    painter.rect_filled(response.rect, 3.0, theme::SUNKEN);
+    painter.rect_filled(response.rect, 3.0, theme::SUNKEN.of(ui));
     let line = (0..=48).map(|k| k as f32 / 48.0).map(|x| on((x, curve.at(x)))).collect();
     for (end, inner) in [((0.0, 0.0), curve.light), ((1.0, 1.0), curve.heavy)] {
-        painter.line_segment([on(end), on(inner)], Stroke::new(1.0, theme::LINE));
+        painter.line_segment([on(end), on(inner)], Stroke::new(1.0, theme::LINE.of(ui)));
     }
-    painter.add(Shape::line(line, Stroke::new(2.0, theme::ACCENT)));
+    painter.add(Shape::line(line, Stroke::new(2.0, theme::ACCENT.of(ui))));
     for inner in [curve.light, curve.heavy] {
-        painter.circle(on(inner), 4.0, Color32::WHITE, Stroke::new(1.0, theme::GROUND));
+        painter.circle(
+            on(inner),
+            4.0,
+            theme::STRONG.of(ui),
+            Stroke::new(1.0, theme::GROUND.of(ui)),
+        );
     }
 }
 
@@ -406,7 +411,7 @@ fn strip(ui: &mut Ui, pressures: &[f32]) {
     let size = Vec2::new(ui.available_width(), 48.0);
     let (response, painter) = ui.allocate_painter(size, Sense::hover());
     let rect = response.rect;
-    painter.rect_filled(rect, 3.0, theme::SUNKEN);
+    painter.rect_filled(rect, 3.0, theme::SUNKEN.of(ui));
     let step = rect.width() / (pressures.len().max(2) - 1) as f32;
     let at = |(i, p): (usize, &f32)| {
         Pos2::new(rect.left() + step * i as f32, rect.bottom() - p * rect.height())
@@ -415,7 +420,7 @@ fn strip(ui: &mut Ui, pressures: &[f32]) {
     for pair in line.windows(2) {
         let below = |p: Pos2| Pos2::new(p.x, rect.bottom());
         let filled = vec![pair[0], pair[1], below(pair[1]), below(pair[0])];
-        painter.add(Shape::convex_polygon(filled, theme::SELECTED, Stroke::NONE));
-        painter.line_segment([pair[0], pair[1]], Stroke::new(1.5, theme::ACCENT));
+        painter.add(Shape::convex_polygon(filled, theme::SELECTED.of(ui), Stroke::NONE));
+        painter.line_segment([pair[0], pair[1]], Stroke::new(1.5, theme::ACCENT.of(ui)));
     }
 }

@@ -625,7 +625,7 @@ fn the_line_is_painted_in_the_frame_of_its_samples() {
         table.pen(Phase::Move, Pos2::new(240.0 + 5.0 * k as f32, 320.0), 0.5);
         table.step();
         let shapes = table.harness.output().shapes.iter();
-        let is_ink = |shape: &&egui::epaint::ClippedShape| matches!(&shape.shape, egui::Shape::LineSegment { stroke, .. } if stroke.color == crate::widgets::theme::ACCENT);
+        let is_ink = |shape: &&egui::epaint::ClippedShape| matches!(&shape.shape, egui::Shape::LineSegment { stroke, .. } if stroke.color == crate::widgets::theme::ACCENT.dark);
         let drawn = shapes.filter(is_ink).count();
         assert_eq!(drawn, k, "the line leads through every sample");
         table.rest();

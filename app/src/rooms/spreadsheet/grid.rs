@@ -101,16 +101,22 @@ impl Spreadsheet {
                 let y = body.top() + ((place as f64 - self.top) * f64::from(height)) as f32;
                 let line = Rect::from_min_size(pos2(view.left(), y), vec2(view.width(), height));
                 if table.is_about(row, &state.selection.curves) {
-                    painter.rect_filled(line, 0.0, theme::SELECTED);
+                    painter.rect_filled(line, 0.0, theme::SELECTED.of(ui));
                 } else if place % 2 == 1 {
-                    painter.rect_filled(line, 0.0, Color32::from_gray(38));
+                    painter.rect_filled(line, 0.0, theme::STRIPE.of(ui));
                 }
                 if self.cursor == Some(place) && response.has_focus() {
-                    let stroke = Stroke::new(1.0, theme::ACCENT);
+                    let stroke = Stroke::new(1.0, theme::ACCENT.of(ui));
                     painter.rect_stroke(line, 0.0, stroke, StrokeKind::Inside);
                 }
                 for (column, cell) in layout.cells(y) {
-                    write(&painter, cell, &table.cell(row, column).text(), &font, theme::TEXT);
+                    write(
+                        &painter,
+                        cell,
+                        &table.cell(row, column).text(),
+                        &font,
+                        theme::TEXT.of(ui),
+                    );
                 }
             }
             let name = "Rows of the spreadsheet";
@@ -132,7 +138,7 @@ impl Spreadsheet {
             };
             let visuals = ui.style().interact(&response);
             ui.painter().rect_filled(head.shrink2(vec2(0.5, 0.0)), 0.0, visuals.weak_bg_fill);
-            let colour = if sorted.is_some() { theme::ACCENT } else { theme::TEXT };
+            let colour = if sorted.is_some() { theme::ACCENT.of(ui) } else { theme::TEXT.of(ui) };
             let font = TextStyle::Body.resolve(ui.style());
             write(ui.painter(), head, &format!("{}{sign}", column.name), &font, colour);
             let name = format!("Sort by {}", column.name);
@@ -164,11 +170,11 @@ impl Spreadsheet {
             ];
             for (i, text) in lines.iter().enumerate() {
                 let cell = cell.translate(vec2(0.0, layout.height * i as f32));
-                write(ui.painter(), cell, text, &font, theme::QUIET);
+                write(ui.painter(), cell, text, &font, theme::QUIET.of(ui));
             }
         }
         let bottom = from + layout.height * 4.0;
-        ui.painter().hline(layout.rect.x_range(), bottom, Stroke::new(1.0, theme::LINE));
+        ui.painter().hline(layout.rect.x_range(), bottom, Stroke::new(1.0, theme::LINE.of(ui)));
     }
 
     fn scroll(&mut self, ui: &Ui, response: &Response, places: usize, rows: f32) {
@@ -261,7 +267,7 @@ impl Spreadsheet {
     fn scroll_bar(&mut self, ui: &Ui, bar: Rect, places: usize, rows: f32) {
         let response = ui.interact(bar, ui.id().with("bar"), Sense::click_and_drag());
         let painter = ui.painter_at(bar);
-        painter.rect_filled(bar, 3.0, theme::GROUND);
+        painter.rect_filled(bar, 3.0, theme::GROUND.of(ui));
         let most = places as f64 - f64::from(rows.floor());
         if most <= 0.0 {
             return;

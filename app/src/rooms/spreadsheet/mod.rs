@@ -192,7 +192,7 @@ impl Spreadsheet {
     fn counts(&self, ui: &mut Ui) {
         let Some(table) = &self.table else { return };
         if let Some(why) = self.answer.as_ref().and_then(|answer| answer.error.as_ref()) {
-            ui.colored_label(theme::WARNING, format!("⚠ {why}"));
+            ui.colored_label(theme::WARNING.of(ui), format!("⚠ {why}"));
             return;
         }
         let (places, all) = (self.places(table), table.rows());

@@ -58,7 +58,7 @@ fn hands(curves: Curves) -> Harness<'static, Bench> {
     let mut hands =
         Harness::builder().with_size(vec2(900.0, 500.0)).with_step_dt(0.02).build_ui_state(
             |ui, bench: &mut Bench| {
-                theme::apply(ui.ctx(), false);
+                theme::apply(ui.ctx(), egui::Theme::Dark, false);
                 let mut out = vec![];
                 bench.spreadsheet.ui(&bench.editor.state, ui, &mut out);
                 for event in out {

@@ -53,9 +53,9 @@ pub(super) fn show(
         egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, chosen, &title)
     });
     let fill = match (chosen, response.hovered() || response.has_focus()) {
-        (true, _) => theme::SELECTED,
-        (false, true) => theme::RAISED,
-        (false, false) => theme::GROUND,
+        (true, _) => theme::SELECTED.of(ui),
+        (false, true) => theme::RAISED.of(ui),
+        (false, false) => theme::GROUND.of(ui),
     };
     let painter = ui.painter().with_clip_rect(ui.clip_rect().intersect(rect));
     painter.rect_filled(rect, 4.0, fill);
@@ -87,31 +87,31 @@ pub(super) fn show(
                 Thumbnail::Damaged => "⚠ damaged picture",
             };
             if !text.is_empty() {
-                painter.rect_filled(square, 2.0, theme::SUNKEN);
-                words(text, square.center() - vec2(0.0, 6.0), 11.0, theme::QUIET);
+                painter.rect_filled(square, 2.0, theme::SUNKEN.of(ui));
+                words(text, square.center() - vec2(0.0, 6.0), 11.0, theme::QUIET.of(ui));
             }
-            words(&title, under, 13.0, theme::TEXT);
+            words(&title, under, 13.0, theme::TEXT.of(ui));
             let version = format!("{} · {}", it.origin.version, place_of(it));
-            words(&version, under + vec2(0.0, 16.0), 11.0, theme::QUIET);
+            words(&version, under + vec2(0.0, 16.0), 11.0, theme::QUIET.of(ui));
         }
         ShelfRow::Broken(it) => {
-            painter.rect_filled(square, 2.0, theme::SUNKEN);
+            painter.rect_filled(square, 2.0, theme::SUNKEN.of(ui));
             painter.text(
                 square.center(),
                 Align2::CENTER_CENTER,
                 "⚠",
                 FontId::proportional(22.0),
-                theme::WARNING,
+                theme::WARNING.of(ui),
             );
-            words(&title, under, 13.0, theme::WARNING);
-            words(&it.why, under + vec2(0.0, 16.0), 11.0, theme::QUIET);
+            words(&title, under, 13.0, theme::WARNING.of(ui));
+            words(&it.why, under + vec2(0.0, 16.0), 11.0, theme::QUIET.of(ui));
         }
     }
     if response.has_focus() {
         painter.rect_stroke(
             rect,
             4.0,
-            egui::Stroke::new(1.0, theme::ACCENT),
+            egui::Stroke::new(1.0, theme::ACCENT.of(ui)),
             egui::StrokeKind::Inside,
         );
     }
@@ -172,7 +172,7 @@ pub(crate) fn carried(ctx: &Context, over: bool) {
     let Some(at) = ctx.pointer_latest_pos() else { return };
     let painter = ctx.layer_painter(LayerId::new(Order::Tooltip, Id::new("template in the hand")));
     let rect = Rect::from_min_size(at + vec2(10.0, 10.0), Vec2::splat(64.0));
-    painter.rect_filled(rect.expand(2.0), 4.0, theme::SELECTED);
+    painter.rect_filled(rect.expand(2.0), 4.0, theme::SELECTED.of(ctx));
     match &held.picture {
         Some(texture) => {
             let uv = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
@@ -185,7 +185,7 @@ pub(crate) fn carried(ctx: &Context, over: bool) {
                 Align2::CENTER_CENTER,
                 &held.template.title,
                 font,
-                theme::TEXT,
+                theme::TEXT.of(ctx),
             );
         }
     }

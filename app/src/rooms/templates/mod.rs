@@ -112,7 +112,7 @@ impl Templates {
         }
         if shown.is_empty() {
             ui.add_space(8.0);
-            ui.label(RichText::new(self.nothing()).color(theme::QUIET));
+            ui.label(RichText::new(self.nothing()).color(theme::QUIET.of(ui)));
             return;
         }
         self.grid(ui, &shown, columns, out);
@@ -164,7 +164,7 @@ impl Templates {
             (self.chosen, self.reveal) = (None, true);
         }
         if !self.typed.trim().is_empty() && ui.available_height() > LEAST {
-            ui.label(RichText::new(format!("{shown} of {all}")).small().color(theme::QUIET));
+            ui.label(RichText::new(format!("{shown} of {all}")).small().color(theme::QUIET.of(ui)));
         }
         // Enter leaves a field of one line; it adds what is chosen all the same.
         field.has_focus() || field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
@@ -247,11 +247,13 @@ impl Templates {
             None => {
                 ui.add_space(4.0);
                 let text = "Drag a template among the nodes, or press Enter to add it.";
-                ui.label(RichText::new(text).color(theme::QUIET));
+                ui.label(RichText::new(text).color(theme::QUIET.of(ui)));
             }
             Some(ShelfRow::Broken(it)) => {
                 ui.add_space(2.0);
-                ui.label(RichText::new(format!("⚠ {}", it.path.display())).color(theme::WARNING));
+                ui.label(
+                    RichText::new(format!("⚠ {}", it.path.display())).color(theme::WARNING.of(ui)),
+                );
                 ui.label(format!("In {}: no template that can be added: {}.", it.place, it.why));
             }
             Some(ShelfRow::Found(it)) => self.of_template(ui, it, out),
@@ -282,7 +284,7 @@ impl Templates {
             ui.add(egui::Label::new(RichText::new(&it.title).strong()).truncate());
         });
         let line = |ui: &mut Ui, text: String, whole: &str| {
-            ui.add(egui::Label::new(RichText::new(text).color(theme::QUIET)).truncate())
+            ui.add(egui::Label::new(RichText::new(text).color(theme::QUIET.of(ui))).truncate())
                 .on_hover_text(whole);
         };
         let origin = &it.origin;

@@ -33,11 +33,15 @@ pub(super) fn ui(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out:
     let part = |id: &'static str, layout: Layout| {
         UiBuilder::new().id_salt(id).max_rect(rect).layout(layout)
     };
+    // The picture is the same in both themes, and so is what stands on it; menus that open from it are not.
+    let over = ui.ctx().style_of(egui::Theme::Dark);
     ui.scope_builder(part("tools", Layout::top_down(Align::LEFT)), |ui| {
+        ui.set_style(over.clone());
         ui.horizontal_wrapped(|ui| tools(viewport, state, ui, out));
         banner(viewport, state, ui, out);
     });
     ui.scope_builder(part("status", Layout::bottom_up(Align::LEFT)), |ui| {
+        ui.set_style(over);
         lines(viewport, state, ui);
     });
     if let Some(screen) = &viewport.on_screen
@@ -79,23 +83,27 @@ fn lines(viewport: &Viewport, state: &State, ui: &mut egui::Ui) {
     ui.spacing_mut().item_spacing.y = 1.0;
     let Some(facts) = facts(viewport, state) else {
         if state.run.since.is_none() {
-            line(ui, "nothing to show: display a node that gives curves or a head", theme::TEXT);
+            line(
+                ui,
+                "nothing to show: display a node that gives curves or a head",
+                theme::TEXT.dark,
+            );
         }
         return;
     };
     if viewport.drawing.is_some() && viewport.fault().is_none() {
-        line(ui, facts.drawn(), theme::TEXT);
+        line(ui, facts.drawn(), theme::TEXT.dark);
     }
     if state.run.since.is_some() && state.shown.as_ref().is_some_and(|shown| shown.head_alone) {
         let left = state.left_to_run();
-        line(ui, format!("the head; its hair is being made: {left}"), theme::WARNING);
+        line(ui, format!("the head; its hair is being made: {left}"), theme::WARNING.dark);
         return;
     }
-    line(ui, facts.made(), if facts.stale { theme::WARNING } else { theme::TEXT });
-    line(ui, names(viewport, state), theme::TEXT);
+    line(ui, facts.made(), if facts.stale { theme::WARNING.dark } else { theme::TEXT.dark });
+    line(ui, names(viewport, state), theme::TEXT.dark);
     let notice = viewport.on_screen.as_ref().and_then(|screen| screen.drawn.notice.as_ref());
     if let Some(notice) = notice {
-        line(ui, notice, theme::WARNING);
+        line(ui, notice, theme::WARNING.dark);
     }
 }
 
@@ -126,7 +134,7 @@ fn banner(viewport: &Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<E
     let frame = egui::Frame::new().fill(SHADE).inner_margin(4).corner_radius(3);
     if let Some(fault) = viewport.fault() {
         frame.show(ui, |ui| {
-            ui.colored_label(theme::ERROR, "✖ No picture");
+            ui.colored_label(theme::ERROR.dark, "✖ No picture");
             ui.add(egui::Label::new(RichText::new(fault).small()).wrap());
         });
     }
@@ -142,7 +150,10 @@ fn banner(viewport: &Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<E
         frame.show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 let name = state.called(node);
-                ui.colored_label(theme::ERROR, format!("✖ {name} failed and passes its input on"));
+                ui.colored_label(
+                    theme::ERROR.dark,
+                    format!("✖ {name} failed and passes its input on"),
+                );
                 ui.label(RichText::new(what).small());
                 let go = ui.button("Go to").on_hover_text(format!("Select {name} on the canvas."));
                 if go.clicked()
@@ -173,7 +184,7 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     let menu = panel::menu_button(ui, "From ⏷".to_owned(), |ui| views(viewport, state, ui, out));
     menu.on_hover_text("Camera and saved views.");
     if let Some((text, colour)) = &viewport.whose {
-        let button = egui::Button::new(RichText::new(text).color(*colour)).truncate();
+        let button = egui::Button::new(RichText::new(text).color(colour.dark)).truncate();
         let tip = "Switch between the other groom's hair and yours, with the same camera (F8).";
         if ui.add(button).on_hover_text(tip).clicked() {
             out.push(Event::Act("compare.flip"));
@@ -413,7 +424,7 @@ fn legend(legend: &Legend, ui: &egui::Ui, corner: Pos2) {
     };
     let font = FontId::proportional(11.0);
     let text = |at: Pos2, align: Align2, text: String| {
-        painter.text(at, align, text, font.clone(), theme::TEXT);
+        painter.text(at, align, text, font.clone(), theme::TEXT.dark);
     };
     text(rect.left_top() + Vec2::new(6.0, 3.0), Align2::LEFT_TOP, title);
     let over = if legend.limit.is_some() { 34.0 } else { 0.0 };
@@ -454,7 +465,8 @@ pub(super) fn card(hair: &HairHit, ui: &mut egui::Ui) {
     let length: f32 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
     egui::Grid::new("card").num_columns(2).spacing([12.0, 1.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
-            ui.label(RichText::new(name.replace('_', " ")).small().color(theme::QUIET));
+            let quiet = theme::QUIET.of(ui);
+            ui.label(RichText::new(name.replace('_', " ")).small().color(quiet));
             ui.label(RichText::new(value).small());
             ui.end_row();
         };

@@ -77,7 +77,7 @@ pub struct Viewport {
     /// What the pen has hold of, and is left alone here.
     pub pen: Holds,
     /// Whose hair is shown, where two documents are compared.
-    pub(crate) whose: Option<(String, egui::Color32)>,
+    pub(crate) whose: Option<(String, crate::widgets::theme::Tint)>,
     camera: Camera,
     views: Views,
     /// Whether the eye was put somewhere for this groom.
@@ -464,7 +464,7 @@ impl Viewport {
 
     fn paint(&self, state: &State, ui: &egui::Ui) {
         let painter = ui.painter_at(self.rect);
-        painter.rect_filled(self.rect, 0.0, crate::widgets::theme::SUNKEN);
+        painter.rect_filled(self.rect, 0.0, crate::widgets::theme::SUNKEN.dark);
         let Some(OnScreen { texture, drawn }) = &self.on_screen else { return };
         if state.shown.is_none() {
             return;

@@ -32,7 +32,7 @@ const GROWN: f32 = 1.5;
 /// Part of the head's radius that hides what is behind it: a little less than all, so that what lies on the skin is seen.
 const SOLID: f32 = 0.93;
 
-const SELECTED: Color32 = theme::ACCENT;
+const SELECTED: Color32 = theme::ACCENT.dark;
 const GUIDE: Color32 = Color32::from_rgb(120, 200, 255);
 const PARTING: Color32 = Color32::from_rgb(255, 235, 160);
 const ROOT: Color32 = Color32::from_rgb(150, 230, 170);

@@ -19,9 +19,9 @@ use std::collections::BTreeMap;
 /// Plants and lengthens.
 const GROW: Color32 = Color32::from_rgb(150, 230, 150);
 /// Takes away.
-const TAKE: Color32 = theme::ERROR;
+const TAKE: Color32 = theme::ERROR.dark;
 /// Bends.
-const STYLE: Color32 = theme::ACCENT;
+const STYLE: Color32 = theme::ACCENT.dark;
 /// Holds.
 const HOLD: Color32 = Color32::from_rgb(130, 200, 255);
 /// The most changed curves that are drawn as lines.
@@ -53,7 +53,7 @@ impl Coming {
     }
     fn colour(self) -> Color32 {
         match self {
-            Self::Plain => theme::TEXT,
+            Self::Plain => theme::TEXT.dark,
             Self::Implant | Self::Lengthen => GROW,
             Self::Cut => TAKE,
             Self::Style => STYLE,
@@ -164,7 +164,7 @@ fn coming(tool: Option<Tool>, end: End, level: Option<Layer>) -> Coming {
 pub(super) fn touch(touch: &HairTouch, painter: &Painter, scene: &Scene) {
     let (colour, word) = match touch.guess {
         Guess::Is(tool) => (Coming::of(tool).colour(), tool.word()),
-        Guess::Unsure(_) => (theme::TEXT, ""),
+        Guess::Unsure(_) => (theme::TEXT.dark, ""),
     };
     if touch.told.is_some() {
         changed(&touch.before, colour, painter, scene);
@@ -304,7 +304,7 @@ fn points(painter: &Painter, scene: &Scene, curves: &Curves, pen: Pos2, reach: f
     }
     for at in places.into_iter().flatten() {
         let own = at.distance(pen) <= off;
-        let colour = if own { STYLE } else { theme::TEXT };
+        let colour = if own { STYLE } else { theme::TEXT.dark };
         painter.circle(at, if own { 5.0 } else { 3.0 }, colour, Stroke::new(1.0, EDGE));
     }
 }

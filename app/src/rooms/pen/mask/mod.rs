@@ -130,7 +130,7 @@ impl Work for Painting {
         let places = self.samples.iter().chain(self.samples.first());
         let places = places.filter_map(|s| scene.view.screen(scene.scalp.place(s.position)));
         if self.brush.closed {
-            line(painter, places.collect(), egui::Stroke::new(1.5, theme::ACCENT));
+            line(painter, places.collect(), egui::Stroke::new(1.5, theme::ACCENT.dark));
         }
     }
 }

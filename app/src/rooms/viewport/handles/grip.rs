@@ -283,7 +283,7 @@ impl Grip {
     pub(super) fn draw(&self, seen: &Seen, ui: &egui::Ui) {
         let view = seen.view;
         let painter = ui.painter_at(view.rect);
-        let stroke = Stroke::new(1.2, theme::ACCENT.gamma_multiply(0.75));
+        let stroke = Stroke::new(1.2, theme::ACCENT.dark.gamma_multiply(0.75));
         let line = |points: Vec<Pos2>| painter.add(Shape::line(points, stroke));
         match (self.handle, self.value) {
             (Handle::Radius | Handle::Ball, Number::One(r)) => {

@@ -139,8 +139,8 @@ impl LandmarkHandles {
             egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, label)
         });
         let told = held || response.hovered();
-        let colour = if told { Color32::WHITE } else { theme::ACCENT };
-        let fill = if is_set { colour } else { theme::GROUND };
+        let colour = if told { Color32::WHITE } else { theme::ACCENT.dark };
+        let fill = if is_set { colour } else { theme::GROUND.dark };
         ui.painter().circle(at, super::GRIP, fill, Stroke::new(2.0, colour));
         let text = match told {
             true => format!("{}: {how}", mark.name()),

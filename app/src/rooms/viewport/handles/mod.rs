@@ -142,7 +142,7 @@ impl Handles {
             let held = is_held(node, &grip);
             grip.draw(&seen, ui);
             if at.distance(place) > GRIP {
-                let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.5));
+                let stroke = Stroke::new(1.0, theme::ACCENT.dark.gamma_multiply(0.5));
                 ui.painter_at(view.rect).line_segment([place, at], stroke);
             }
             let id = ui.id().with(("handle", node.as_str(), grip.input.name));
@@ -152,8 +152,9 @@ impl Handles {
                 let label = format!("Handle of {}", grip.input.name);
                 egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, label)
             });
-            let colour = if held || response.hovered() { Color32::WHITE } else { theme::ACCENT };
-            ui.painter().circle(at, GRIP, theme::GROUND, Stroke::new(2.0, colour));
+            let colour =
+                if held || response.hovered() { Color32::WHITE } else { theme::ACCENT.dark };
+            ui.painter().circle(at, GRIP, theme::GROUND.dark, Stroke::new(2.0, colour));
             let told = held || response.hovered();
             if told || near {
                 let name = crate::widgets::text::spoken(grip.input.name);
@@ -237,11 +238,12 @@ pub(super) fn wants(state: &State) -> Vec<Socket> {
 
 /// What a handle is called, beside it.
 fn label(ui: &egui::Ui, at: Pos2, text: String) {
-    let galley = ui.painter().layout_no_wrap(text, egui::FontId::proportional(12.0), theme::TEXT);
+    let galley =
+        ui.painter().layout_no_wrap(text, egui::FontId::proportional(12.0), theme::TEXT.dark);
     let from = at + Vec2::new(12.0, -18.0);
     let back = egui::Rect::from_min_size(from, galley.size()).expand(2.0);
     ui.painter().rect_filled(back, 2.0, Color32::from_black_alpha(190));
-    ui.painter().galley(from, galley, theme::TEXT);
+    ui.painter().galley(from, galley, theme::TEXT.dark);
 }
 
 /// Where grips are taken: at their places, but for those that would lie on another. The place of the whole stays first, for it is
