@@ -1,5 +1,6 @@
 //! What can happen to a document as a whole: new, opened, saved, exported, given another head.
 
+use crate::core::shown::Sides;
 use coif_graphs::document::NodeId;
 use std::path::PathBuf;
 
@@ -41,8 +42,8 @@ pub enum DocumentEvent {
     StopExport,
     /// The groom is shown beside its file as it was saved.
     CompareWithSaved,
-    /// The picture shows the hair of the groom beside this one, or of this one again.
-    Flip,
+    /// The picture shows this groom and the one beside it another way.
+    Sides(Sides),
     /// The groom is shown alone again.
     EndCompare,
     /// The window is to be closed.

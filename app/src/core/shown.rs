@@ -60,6 +60,28 @@ impl Shown {
     }
 }
 
+/// How the viewport shows two grooms that are compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sides {
+    /// One's own alone.
+    #[default]
+    Own,
+    /// The other in its place.
+    Other,
+    /// One's own at the left of a divider, the other at its right, in one picture.
+    Wipe,
+    /// One beside the other.
+    Beside,
+}
+
+impl Sides {
+    /// The other groom alone, or one's own again.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        if self == Self::Other { Self::Own } else { Self::Other }
+    }
+}
+
 /// What the nodes said when they last ran.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {

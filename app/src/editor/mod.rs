@@ -488,14 +488,18 @@ impl egui_dock::TabViewer for Tabs<'_> {
                 pen.bar(state, &name, ui, self.out);
                 let flipped = compare.as_ref().and_then(Compare::flipped);
                 viewport.pen = pen.holds(ui.ctx(), flipped.is_some());
-                viewport.whose = compare.as_ref().map(Compare::whose);
+                viewport.compared = compare.as_ref().map(Compare::told);
                 let mut said = vec![];
-                viewport.ui(flipped.unwrap_or(state), ui, &mut said);
+                let other = compare.as_ref().and_then(Compare::made);
+                viewport.ui(state, other, ui, &mut said);
                 // What is only looked at is not picked, drawn on, or edited.
                 said.retain(|event| flipped.is_none() || compare::is_of_the_view(event));
                 self.out.append(&mut said);
                 let hovered = viewport.is_hovered() && flipped.is_none();
+                let clip = ui.clip_rect();
+                ui.set_clip_rect(clip.intersect(viewport.part()));
                 pen.ui(state, &viewport.projection(), ui, hovered, self.out);
+                ui.set_clip_rect(clip);
                 pen.settings_window(state, ui.ctx(), self.out);
                 pen.recipe_window(state, ui.ctx(), self.out);
             }

@@ -14,6 +14,7 @@ use super::documents;
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::room::Room;
+use crate::core::shown::Sides;
 use crate::core::state::{OpenFile, State};
 use crate::jobs::evaluation::EvaluationRequest;
 use crate::rooms::canvas::{Canvas, DiffMarks, marks};
@@ -37,8 +38,8 @@ pub struct Compare {
     /// What rooms read of it.
     other: State,
     canvas: Canvas,
-    /// Whether the viewport shows its hair.
-    flipped: bool,
+    /// How the viewport shows the hair of both.
+    sides: Sides,
     /// Whether it was evaluated, with or without hair.
     answered: bool,
     /// What differs, as of this number of changes of one's own.
@@ -66,7 +67,7 @@ impl Compare {
             is_before: false,
             other,
             canvas: Canvas::to_look_at(),
-            flipped: false,
+            sides: Sides::default(),
             answered: false,
             of: None,
             lines: vec![],
@@ -78,9 +79,19 @@ impl Compare {
         }
     }
 
-    /// The state whose hair the viewport shows instead of one's own; none where it is not flipped, or not made yet.
+    /// How the viewport is to show the hair of both.
+    pub fn sides(&self) -> Sides {
+        self.sides
+    }
+
+    /// The other state, where its hair is made.
+    pub(crate) fn made(&self) -> Option<&State> {
+        Some(&self.other).filter(|other| other.shown.is_some())
+    }
+
+    /// The state whose hair the viewport shows instead of one's own; none where that is not asked for, or not made yet.
     pub(crate) fn flipped(&self) -> Option<&State> {
-        Some(&self.other).filter(|other| self.flipped && other.shown.is_some())
+        self.made().filter(|_| self.sides == Sides::Other)
     }
 
     /// The lines on what differs, from the earlier document to the later.
@@ -197,12 +208,12 @@ impl Editor {
         });
     }
 
-    /// Shows the other's hair in the viewport, or one's own again.
-    pub(crate) fn flip(&mut self) {
+    /// Shows the hair of both another way.
+    pub(crate) fn show_sides(&mut self, sides: Sides) {
         let Some(compare) = &mut self.compare else { return };
-        compare.flipped = !compare.flipped;
+        compare.sides = sides;
         // Where somebody stopped it, it is made now.
-        if compare.flipped && !compare.answered {
+        if sides != Sides::Own && !compare.answered {
             self.ask_beside();
         }
     }
@@ -238,7 +249,7 @@ impl Editor {
 pub(crate) fn is_of_the_view(event: &Event) -> bool {
     use coif_graphs::document::edit::Edit;
     match event {
-        Event::Act(id) => id.starts_with("view.") || *id == "compare.flip",
+        Event::Act(id) => id.starts_with("view.") || id.starts_with("compare."),
         Event::Edit(edit) => {
             matches!(edit, Edit::SetLook(_) | Edit::SetView { view: Some(_), .. })
         }

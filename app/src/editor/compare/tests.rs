@@ -235,6 +235,112 @@ fn its_hair_is_shown_in_place_and_ones_own_comes_back() {
     assert!(ui.state().compare().unwrap().flipped().is_none());
 }
 
+/// Pictures on the screen, by the parts of the screen that they are seen in.
+fn pictures(ui: &Ui) -> Vec<egui::Rect> {
+    let room = ui.state().place_of(Room::Viewport).unwrap();
+    let shapes = ui.output().shapes.iter();
+    let seen = shapes.filter_map(|shape| match &shape.shape {
+        egui::Shape::Rect(rect) if rect.brush.is_some() => Some(shape.clip_rect.intersect(room)),
+        egui::Shape::Mesh(mesh) if mesh.texture_id != egui::TextureId::default() => {
+            Some(shape.clip_rect.intersect(room))
+        }
+        _ => None,
+    });
+    seen.filter(|seen| seen.is_positive()).collect()
+}
+
+/// Both pictures at rest, in a small window.
+fn drawn(folder: &Folder) -> Option<Ui> {
+    if let Err(err) = coif_shaders::Gpu::new(coif_shaders::Precision::Best) {
+        println!("skipped: comparing pictures: {err}");
+        return None;
+    }
+    let mut ui = compared(folder);
+    ui.set_size(egui::vec2(960.0, 640.0));
+    let ctx = ui.ctx.clone();
+    let editor = ui.state_mut();
+    editor.state.settings.samples = 2;
+    editor.viewport.start(&ctx);
+    editor.act("compare.wipe");
+    rest(&mut ui);
+    Some(ui)
+}
+
+fn rest(ui: &mut Ui) {
+    until("both pictures are drawn", || {
+        ui.step();
+        assert_eq!(ui.state().viewport.fault(), None);
+        ui.state().is_idle() && ui.state().viewport.is_idle()
+    });
+    ui.run_steps(3);
+}
+
+#[test]
+fn no_way_to_show_both_begins_a_picture_anew() {
+    let folder = Folder::new("compare-sides");
+    let Some(mut ui) = drawn(&folder) else { return };
+    let made = ui.state().viewport.stats.pictures;
+    assert!(made >= 2, "{made} pictures of two grooms");
+    for way in ["compare.beside", "compare.flip", "compare.flip", "compare.wipe", "compare.beside"]
+    {
+        ui.state_mut().act(way);
+        rest(&mut ui);
+        let now = ui.state().viewport.stats.pictures;
+        assert_eq!(now, made, "{way} draws again");
+        let seen = pictures(&ui).len();
+        assert_eq!(seen, if way == "compare.flip" { 1 } else { 2 }, "{way}");
+    }
+    // The camera is one, also under the other picture: what moves it draws both again.
+    let at = ui.state().place_of(Room::Viewport).unwrap().lerp_inside(Vec2::new(0.75, 0.5));
+    ui.event(Input::PointerMoved(at));
+    ui.run_steps(2);
+    let (unit, delta) = (egui::MouseWheelUnit::Line, Vec2::new(0.0, 3.0));
+    let (modifiers, phase) = (Modifiers::NONE, egui::TouchPhase::Move);
+    let before = *ui.state().viewport.camera();
+    ui.event(Input::MouseWheel { unit, delta, modifiers, phase });
+    ui.run_steps(30);
+    rest(&mut ui);
+    assert_ne!(*ui.state().viewport.camera(), before, "the wheel over the other picture");
+    assert!(ui.state().viewport.stats.pictures >= made + 2);
+    ui.state_mut().act("compare.end");
+    ui.run_steps(3);
+    assert_eq!(pictures(&ui).len(), 1);
+}
+
+#[test]
+fn the_divider_of_a_wipe_is_dragged_and_nothing_else_is() {
+    let folder = Folder::new("compare-wipe");
+    let mut ui = compared(&folder);
+    ui.state_mut().act("compare.wipe");
+    ui.run_steps(3);
+    ui.get_by_label("Shown: yours and theirs.ron");
+    let (before, camera) = (all(&ui), *ui.state().viewport.camera());
+    let room = ui.state().place_of(Room::Viewport).unwrap();
+    let divider = |ui: &Ui| ui.get_by_label("Divider between the two grooms").rect().center();
+    let from = divider(&ui);
+    assert!((from.x - room.center().x).abs() < 2.0, "{from:?} in {room:?}");
+    let to = from - Vec2::new(80.0, 0.0);
+    for (pos, pressed) in [(from, Some(true)), (to, None), (to, Some(false))] {
+        ui.event(Input::PointerMoved(pos));
+        ui.run_steps(2);
+        if let Some(pressed) = pressed {
+            let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+            ui.event(Input::PointerButton { pos, button, pressed, modifiers });
+        }
+        ui.run_steps(2);
+    }
+    assert!((divider(&ui).x - to.x).abs() < 2.0, "{:?} {to:?}", divider(&ui));
+    assert_eq!((all(&ui), *ui.state().viewport.camera()), (before, camera));
+    // One's own hair is under the hand at its left alone.
+    let part = ui.state().viewport.part();
+    assert!((part.right() - to.x).abs() < 2.0, "{part:?}");
+    for (side, is_own) in [(-60.0, true), (60.0, false)] {
+        ui.event(Input::PointerMoved(to + Vec2::new(side, 0.0)));
+        ui.run_steps(2);
+        assert_eq!(ui.state().viewport.is_hovered(), is_own, "{side}");
+    }
+}
+
 #[test]
 fn what_both_have_is_made_once() {
     let folder = Folder::new("compare-once");

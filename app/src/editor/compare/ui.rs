@@ -1,9 +1,12 @@
 //! The canvas room while two documents are compared, and what stands over the picture then.
 
 use super::Compare;
+use crate::core::documents::DocumentEvent;
 use crate::core::event::Event;
+use crate::core::shown::Sides;
 use crate::core::state::{Select, State};
 use crate::rooms::canvas::{Canvas, Mark};
+use crate::rooms::viewport::Compared;
 use crate::widgets::theme;
 use coif_graphs::document::NodeId;
 use egui::{Align, Label, Layout, Rect, RichText, ScrollArea, Ui, UiBuilder, Vec2};
@@ -68,7 +71,7 @@ impl Compare {
 
     fn list(&mut self, mine: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         ui.horizontal_wrapped(|ui| {
-            self.flip_button(ui, out);
+            self.sides_buttons(ui, out);
             let close = ui.button("End").on_hover_text("Show your document alone again");
             if close.clicked() {
                 out.push(Event::Act("compare.end"));
@@ -138,24 +141,38 @@ impl Compare {
         }
     }
 
-    fn flip_button(&self, ui: &mut Ui, out: &mut Vec<Event>) {
-        let tip = "Switch between the other groom's hair and yours, with the same camera (F8)";
-        let button = ui.selectable_label(self.flipped, "Its hair").on_hover_text(tip);
-        if button.clicked() {
-            out.push(Event::Act("compare.flip"));
+    fn sides_buttons(&self, ui: &mut Ui, out: &mut Vec<Event>) {
+        for (sides, label, tip) in [
+            (Sides::Own, "Yours", "Show your groom's hair (F8 switches)"),
+            (
+                Sides::Other,
+                "Its hair",
+                "Show the other groom's hair with the same camera (F8 switches)",
+            ),
+            (Sides::Wipe, "Wipe", "Show both in one picture, with a divider to drag between them"),
+            (Sides::Beside, "Side by side", "Show one beside the other, with one camera"),
+        ] {
+            if theme::choice(ui, self.sides == sides, label).on_hover_text(tip).clicked() {
+                out.push(Event::Documents(DocumentEvent::Sides(sides)));
+            }
         }
     }
 
-    /// Whose hair the picture shows, and how that is said.
-    pub(crate) fn whose(&self) -> (String, theme::Tint) {
-        match (self.flipped, &self.other.shown) {
-            (false, _) => ("Shown: yours".to_owned(), theme::TEXT),
-            (true, Some(_)) => (format!("Shown: {}", self.name), theme::ACCENT),
-            (true, None) => {
-                let why = if self.answered { "has nothing to show" } else { "is being made" };
-                (format!("Shown: yours; {} {why}", self.name), theme::WARNING)
+    /// How the picture shows both, and how that is said.
+    pub(crate) fn told(&self) -> Compared {
+        let name = self.name.clone();
+        let said = match (self.sides, &self.other.shown) {
+            (Sides::Own, _) => ("Shown: yours".to_owned(), theme::TEXT),
+            (Sides::Other, Some(_)) => (format!("Shown: {name}"), theme::ACCENT),
+            (Sides::Wipe | Sides::Beside, Some(_)) => {
+                (format!("Shown: yours and {name}"), theme::ACCENT)
             }
-        }
+            (_, None) => {
+                let why = if self.answered { "has nothing to show" } else { "is being made" };
+                (format!("Shown: yours; {name} {why}"), theme::WARNING)
+            }
+        };
+        Compared { sides: self.sides, name, said }
     }
 }
 

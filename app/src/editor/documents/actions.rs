@@ -3,9 +3,11 @@
 use crate::core::action::{Action, Can};
 use crate::core::documents::{DocumentEvent, Purpose};
 use crate::core::event::Event;
+use crate::core::shown::Sides;
 use crate::core::templates::TemplateEvent;
 use crate::editor::Editor;
 use crate::editor::actions::{Own, always};
+use crate::editor::compare::Compare;
 
 fn file(event: DocumentEvent, out: &mut Vec<Event>) {
     out.push(Event::Documents(event));
@@ -147,10 +149,31 @@ pub(crate) const ACTIONS: &[Own] = &[
         id: "compare.flip",
         label: "Flip hair",
         tip: "Switch the viewport between the other groom's hair and yours, with the same camera.",
-        words: "compare toggle swap a b wipe other",
+        words: "compare toggle swap a b other",
         menu: "View",
         when: compares,
-        run: |_, out| file(DocumentEvent::Flip, out),
+        run: |editor, out| {
+            let sides = editor.compare().map(Compare::sides).unwrap_or_default();
+            file(DocumentEvent::Sides(sides.flipped()), out);
+        },
+    },
+    Action {
+        id: "compare.wipe",
+        label: "Wipe between both",
+        tip: "Show both grooms in one picture, with a divider to drag between them.",
+        words: "compare a b split curtain slider before after other",
+        menu: "View",
+        when: compares,
+        run: |_, out| file(DocumentEvent::Sides(Sides::Wipe), out),
+    },
+    Action {
+        id: "compare.beside",
+        label: "Both side by side",
+        tip: "Show one groom's hair beside the other's, with one camera.",
+        words: "compare a b split two pictures next other",
+        menu: "View",
+        when: compares,
+        run: |_, out| file(DocumentEvent::Sides(Sides::Beside), out),
     },
     Action {
         id: "compare.end",

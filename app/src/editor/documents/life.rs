@@ -61,7 +61,7 @@ impl Editor {
             DocumentEvent::ExportPanel => self.open_export_panel(),
             DocumentEvent::PicturePanel => self.open_picture_panel(),
             DocumentEvent::CompareWithSaved => self.compare_with_saved(),
-            DocumentEvent::Flip => self.flip(),
+            DocumentEvent::Sides(sides) => self.show_sides(sides),
             DocumentEvent::EndCompare => self.end_compare(),
             DocumentEvent::StopExport => {
                 if let Some(row) = self.documents.exports.going().first() {

@@ -386,7 +386,8 @@ impl Pen {
         let free = |at: Pos2| {
             let known = pointer.is_some_and(|p| p.distance(at) < devices::SAME_PLACE);
             let layer = ctx.layer_id_at(at).is_none_or(|layer| layer == ui.layer_id());
-            view.rect.contains(at) && layer && (hovered || !known)
+            let seen = view.rect.intersect(ui.clip_rect());
+            seen.contains(at) && layer && (hovered || !known)
         };
         let pixels_per_point = ctx.pixels_per_point();
         let inputs = ctx.input(|input| {

@@ -49,7 +49,8 @@ impl Viewport {
     }
 
     fn aspect(&self) -> f32 {
-        (self.rect.width() / self.rect.height().max(1.0)).clamp(0.05, 20.0)
+        let seen = if self.beside { self.part } else { self.rect };
+        (seen.width() / seen.height().max(1.0)).clamp(0.05, 20.0)
     }
 
     /// Looks from a named view as soon as it is known where that is.
@@ -232,12 +233,15 @@ impl Viewport {
         }
         self.turn_light(ui, response, keys, space);
         if let Some((button, drag)) = self.drag {
-            let (delta, at, down) = ui.input(|input| {
+            let (delta, at, from, down) = ui.input(|input| {
                 let pointer = &input.pointer;
-                (pointer.delta(), pointer.interact_pos(), pointer.button_down(button))
+                let (at, from) = (pointer.interact_pos(), pointer.press_origin());
+                (pointer.delta(), at, from, pointer.button_down(button))
             });
             if let (Some(at), true) = (at, delta != Vec2::ZERO) {
                 let view = Projection::new(self.camera, self.rect);
+                // A drag over the other picture moves the eye as it does over the one in hand.
+                let at = at - self.off(from.unwrap_or(at));
                 self.camera = drag.moved(&view, at - delta, at);
             }
             if !down {
@@ -295,6 +299,7 @@ impl Viewport {
         ui: &egui::Ui,
     ) {
         let from = ui.input(|input| input.pointer.press_origin().or(input.pointer.interact_pos()));
+        let from = from.map(|at| at - self.off(at));
         let drag = Drag { motion, pivot: self.pivot(state, from), up: self.vertical(state) };
         self.views.rest(&self.camera);
         self.drag = Some((button, drag));
@@ -311,6 +316,7 @@ impl Viewport {
         if self.moves_until.is_none() {
             self.views.rest(&self.camera);
         }
+        let at = at.map(|at| at - self.off(at));
         self.camera = navigation::dolly(&self.camera, self.pivot(state, at), factor);
         self.moves_until = Some(now + CALM);
     }

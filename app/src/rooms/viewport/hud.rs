@@ -25,11 +25,11 @@ use std::collections::BTreeSet;
 /// Room between what stands on the picture and its edge, points.
 const EDGE: f32 = 8.0;
 /// Behind text on the picture.
-const SHADE: Color32 = Color32::from_black_alpha(170);
+pub(super) const SHADE: Color32 = Color32::from_black_alpha(170);
 
 /// All of it.
 pub(super) fn ui(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
-    let rect = viewport.rect.shrink(EDGE);
+    let rect = viewport.room.shrink(EDGE);
     let part = |id: &'static str, layout: Layout| {
         UiBuilder::new().id_salt(id).max_rect(rect).layout(layout)
     };
@@ -44,7 +44,7 @@ pub(super) fn ui(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out:
         ui.set_style(over);
         lines(viewport, state, ui);
     });
-    if let Some(screen) = &viewport.on_screen
+    if let Some(screen) = &viewport.hand().on_screen
         && let Some(found) = &screen.drawn.legend
     {
         legend(found, ui, rect.right_bottom());
@@ -56,7 +56,7 @@ pub(super) fn ui(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out:
 /// What the words are made from.
 pub(super) fn facts(viewport: &Viewport, state: &State) -> Option<Facts> {
     let shown = state.shown.as_ref()?;
-    let drawn = viewport.on_screen.as_ref().map(|screen| &screen.drawn);
+    let drawn = viewport.hand().on_screen.as_ref().map(|screen| &screen.drawn);
     Some(Facts {
         strands: shown.curves.curve_count(),
         final_strands: shown.final_strands,
@@ -91,7 +91,7 @@ fn lines(viewport: &Viewport, state: &State, ui: &mut egui::Ui) {
         }
         return;
     };
-    if viewport.drawing.is_some() && viewport.fault().is_none() {
+    if viewport.hand().drawing.is_some() && viewport.fault().is_none() {
         line(ui, facts.drawn(), theme::TEXT.dark);
     }
     if state.run.since.is_some() && state.shown.as_ref().is_some_and(|shown| shown.head_alone) {
@@ -101,7 +101,7 @@ fn lines(viewport: &Viewport, state: &State, ui: &mut egui::Ui) {
     }
     line(ui, facts.made(), if facts.stale { theme::WARNING.dark } else { theme::TEXT.dark });
     line(ui, names(viewport, state), theme::TEXT.dark);
-    let notice = viewport.on_screen.as_ref().and_then(|screen| screen.drawn.notice.as_ref());
+    let notice = viewport.hand().on_screen.as_ref().and_then(|screen| screen.drawn.notice.as_ref());
     if let Some(notice) = notice {
         line(ui, notice, theme::WARNING.dark);
     }
@@ -183,7 +183,7 @@ fn tools(viewport: &mut Viewport, state: &State, ui: &mut egui::Ui, out: &mut Ve
     menu.on_hover_text("Overlays on the picture.");
     let menu = panel::menu_button(ui, "From ⏷".to_owned(), |ui| views(viewport, state, ui, out));
     menu.on_hover_text("Camera and saved views.");
-    if let Some((text, colour)) = &viewport.whose {
+    if let Some((text, colour)) = viewport.compared.as_ref().map(|compared| &compared.said) {
         let button = egui::Button::new(RichText::new(text).color(colour.dark)).truncate();
         let tip = "Switch between the other groom's hair and yours, with the same camera (F8).";
         if ui.add(button).on_hover_text(tip).clicked() {

@@ -74,10 +74,14 @@ impl Viewport {
         }
         if std::mem::take(&mut self.menu.by_key) {
             let pointer = ui.input(|input| input.pointer.hover_pos());
-            at = Some(pointer.filter(|at| self.rect.contains(*at)).unwrap_or(self.rect.center()));
+            at = Some(pointer.filter(|at| self.part.contains(*at)).unwrap_or(self.part.center()));
         }
         if let Some(at) = at {
-            if self.drawing.is_some() && self.on_screen.is_some() {
+            let pane = self.hand();
+            if !self.part.contains(at) {
+                // What is only looked at has nothing that could be done.
+                self.open_menu(state, at, None, false, out);
+            } else if pane.drawing.is_some() && pane.on_screen.is_some() {
                 self.question(at, Purpose::Menu);
             } else {
                 // Without pictures only the head is found.

@@ -17,6 +17,7 @@ pub mod navigation;
 pub mod options;
 mod overlay;
 mod painter;
+mod panes;
 mod parts;
 mod picking;
 pub mod select;
@@ -28,7 +29,7 @@ use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::pen::Holds;
 use crate::core::projection::Projection;
-use crate::core::shown::Shown;
+use crate::core::shown::{Shown, Sides};
 use crate::core::state::State;
 use crate::feeders::feeders;
 use crate::scene::lights::Surroundings;
@@ -41,14 +42,16 @@ use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
 use coif_shaders::camera::PORTRAIT_FOCAL;
 use coif_shaders::{Camera, Look};
-use drawing::{DrawRequest, Drawing, Drawn, HairHit, PickResult};
-use egui::{PointerButton, Pos2, Rect, Sense, TextureHandle, TextureOptions, Vec2};
+use drawing::{DrawRequest, Drawing, HairHit, PickResult};
+use egui::{PointerButton, Pos2, Rect, Sense, Vec2};
 use glam::Vec3;
 use handles::Handles;
 use navigation::{Drag, Views};
 use options::Options;
 use overlay::Overlay;
 use painter::together;
+pub(crate) use panes::Compared;
+use panes::Pane;
 use select::Level;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -62,6 +65,8 @@ const MOST_PIXELS: f32 = 6.0e6;
 const SEE_THROUGH: f32 = 0.12;
 /// After a step of the view it still counts as moving, seconds.
 const CALM: f64 = 0.25;
+/// The room until it is shown.
+const ROOM: Rect = Rect { min: Pos2::ZERO, max: Pos2::new(900.0, 600.0) };
 /// The pointer is taken to be where it was asked about within so many points.
 const NEAR: f32 = 6.0;
 
@@ -76,8 +81,8 @@ pub struct Viewport {
     pub stats: DrawStats,
     /// What the pen has hold of, and is left alone here.
     pub pen: Holds,
-    /// Whose hair is shown, where two documents are compared.
-    pub(crate) whose: Option<(String, crate::widgets::theme::Tint)>,
+    /// How two documents are shown, where two are compared.
+    pub(crate) compared: Option<Compared>,
     camera: Camera,
     views: Views,
     /// Whether the eye was put somewhere for this groom.
@@ -87,10 +92,18 @@ pub struct Viewport {
     before_hair: Option<Camera>,
     /// Such an eye is being found.
     waits_for_hair: bool,
-    drawing: Option<Drawing>,
+    /// One's own picture, and that of another groom.
+    panes: [Pane; 2],
     fault: Option<String>,
-    on_screen: Option<OnScreen>,
+    /// All of the room that shows pictures.
+    room: Rect,
+    /// Where the picture in hand lies, and the part of it that is seen.
     rect: Rect,
+    part: Rect,
+    /// Whether two pictures lie side by side.
+    beside: bool,
+    /// Where a wipe changes from one groom to the other, as a share of the room's width.
+    divider: f32,
     hovered: bool,
     drag: Option<(PointerButton, Drag)>,
     /// The pointer turns the light.
@@ -106,7 +119,6 @@ pub struct Viewport {
     clicked: Option<Clicked>,
     /// The hair that was clicked last, with either button.
     meant: Option<u64>,
-    followed: Followed,
     overlay: Overlay,
     handles: Handles,
     menu: menu::Menu,
@@ -129,12 +141,6 @@ pub struct DrawStats {
     pub texture_ms: f64,
     /// The document's state whose hair was first drawn last, when its hair was on the device, and when the picture was.
     pub newest: Option<(u64, Instant, Instant)>,
-}
-
-/// The picture on the screen.
-struct OnScreen {
-    texture: TextureHandle,
-    drawn: Drawn,
 }
 
 /// Why it was asked what lies under the pointer.
@@ -190,7 +196,7 @@ impl Default for Viewport {
             chosen: Options::default().saved(),
             stats: DrawStats::default(),
             pen: Holds::default(),
-            whose: None,
+            compared: None,
             hovered: false,
             camera: Camera {
                 eye: Vec3::new(0.0, 4.0, 110.0),
@@ -204,10 +210,13 @@ impl Default for Viewport {
             framing: None,
             before_hair: None,
             waits_for_hair: false,
-            drawing: None,
+            panes: Default::default(),
             fault: None,
-            on_screen: None,
-            rect: Rect::from_min_size(Pos2::ZERO, Vec2::new(900.0, 600.0)),
+            room: ROOM,
+            rect: ROOM,
+            part: ROOM,
+            beside: false,
+            divider: 0.5,
             drag: None,
             turns_light: false,
             reading: None,
@@ -217,7 +226,6 @@ impl Default for Viewport {
             under: None,
             clicked: None,
             meant: None,
-            followed: Followed::default(),
             overlay: Overlay::default(),
             handles: Handles::default(),
             menu: menu::Menu::default(),
@@ -230,11 +238,13 @@ impl Default for Viewport {
 impl Viewport {
     /// Begins to draw on a thread of its own, which asks the context to repaint. Until then the room shows no picture.
     pub fn start(&mut self, ctx: &egui::Context) {
+        self.panes[0].drawing = self.begin_drawing(ctx);
+    }
+
+    fn begin_drawing(&mut self, ctx: &egui::Context) -> Option<Drawing> {
         let ctx = ctx.clone();
-        match Drawing::start(move || ctx.request_repaint()) {
-            Ok(drawing) => self.drawing = Some(drawing),
-            Err(why) => self.fault = Some(why),
-        }
+        let drawing = Drawing::start(move || ctx.request_repaint());
+        drawing.map_err(|why| self.fault = Some(why)).ok()
     }
 
     /// Lights the picture by a photographed sphere, which is read on a thread; what is wrong with it is said.
@@ -275,7 +285,7 @@ impl Viewport {
     /// Forgets the picture of a document that is gone, and what comes late of it: states before `born`.
     pub(crate) fn forget(&mut self, born: u64) {
         self.born = born;
-        self.on_screen = None;
+        self.panes[0].on_screen = None;
         (self.under, self.clicked, self.question) = (None, None, None);
     }
 
@@ -295,7 +305,7 @@ impl Viewport {
     /// The picture that is seen, for what is drawn over it and for what points at it.
     pub fn projection(&self) -> Projection {
         Projection::new(
-            self.on_screen.as_ref().map_or(self.camera, |s| s.drawn.wanted.camera),
+            self.hand().on_screen.as_ref().map_or(self.camera, |s| s.drawn.wanted.camera),
             self.rect,
         )
     }
@@ -312,14 +322,15 @@ impl Viewport {
 
     /// Whether the picture at rest of what was asked for is on the screen.
     pub fn is_idle(&self) -> bool {
-        self.drawing.as_ref().is_none_or(Drawing::is_idle)
+        self.panes.iter().filter_map(|pane| pane.drawing.as_ref()).all(Drawing::is_idle)
             && self.framing.is_none()
             && !self.overlay.is_finding()
     }
 
     /// Why there is no picture.
     pub fn fault(&self) -> Option<String> {
-        self.fault.clone().or_else(|| self.drawing.as_ref().and_then(Drawing::fault))
+        let drawings = self.panes.iter().filter_map(|pane| pane.drawing.as_ref());
+        self.fault.clone().or_else(|| drawings.into_iter().find_map(Drawing::fault))
     }
 
     /// What lies under the pointer, where that is known.
@@ -339,26 +350,45 @@ impl Viewport {
         wanted
     }
 
-    /// One frame of the room.
-    pub fn ui(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
+    /// One frame of the room, with another groom that has hair beside one's own, where two are compared.
+    pub fn ui(
+        &mut self,
+        own: &State,
+        other: Option<&State>,
+        ui: &mut egui::Ui,
+        out: &mut Vec<Event>,
+    ) {
         let rect = ui.available_rect_before_wrap();
-        self.rect = rect;
+        let sides = self.sides(other);
+        self.lay(sides, rect);
+        let (states, state) = match (sides, other) {
+            (Sides::Other, Some(other)) => ([None, Some(other)], other),
+            _ => ([Some(own), other.filter(|_| sides != Sides::Own)], own),
+        };
         let response = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture of the groom")
         });
-        self.hovered = response.hovered() || response.dragged();
+        let on_hand = ui.input(|input| {
+            let at = input.pointer.press_origin().or(input.pointer.latest_pos());
+            at.is_none_or(|at| self.part.contains(at))
+        });
+        self.hovered = (response.hovered() || response.dragged()) && on_hand;
         self.follow_look(state, ui, out);
         self.frame_first(state);
         self.take_framing();
-        self.take_picture(ui.ctx());
+        self.take_pictures(ui.ctx());
         self.take_surroundings(out);
         self.take_answer(state, out);
         self.find_maker(state, out);
         self.navigate(state, ui, &response, out);
-        self.ask(state, ui);
-        self.paint(state, ui);
+        self.ask_all(states, ui);
+        self.paint(states, ui);
+        let clip = ui.clip_rect();
+        ui.set_clip_rect(clip.intersect(self.part));
         self.overlay_ui(state, ui, out);
+        ui.set_clip_rect(clip);
+        self.divide(sides, ui);
         hud::ui(self, state, ui, out);
         self.hover(state, ui, &response, out);
         self.menu(state, ui, &response, out);
@@ -384,14 +414,14 @@ impl Viewport {
         }
     }
 
-    /// Asks for the picture of what is there now.
-    fn ask(&mut self, state: &State, ui: &egui::Ui) {
+    /// Asks for one of the two pictures, of what is there now.
+    fn ask(&mut self, number: usize, state: &State, ui: &egui::Ui) {
         let Some(shown) = &state.shown else { return };
         if !self.framed {
             return;
         }
         let show = self.options.shown();
-        let followed = self.followed(state, shown);
+        let followed = self.followed(number, state, shown);
         let moving = state.drags_hair() || self.is_navigating() || self.moves_until.is_some();
         // More of the hair comes soon, and sooner where the processor is left to it.
         let more_comes = shown.head_alone || shown.quality == Quality::FirstLook;
@@ -419,67 +449,48 @@ impl Viewport {
             samples: state.settings.samples.clamp(1, 1024),
             moving,
         };
-        if let Some(drawing) = &mut self.drawing {
+        if let Some(drawing) = &mut self.panes[number].drawing {
             drawing.ask(wanted);
         }
     }
 
     /// The curves that hair follows, as far as they were evaluated.
-    fn followed(&mut self, state: &State, shown: &Arc<Shown>) -> Curves {
-        let same = self.followed.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, shown));
+    fn followed(&mut self, number: usize, state: &State, shown: &Arc<Shown>) -> Curves {
+        let known = &mut self.panes[number].followed;
+        let same = known.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, shown));
         if !same {
             let sockets = feeders(&state.document, shown.sockets.iter().map(|s| &s.node));
             let curves = sockets.iter().filter_map(|socket| shown.curves_of(socket).cloned());
-            self.followed = Followed { of: Some(shown.clone()), curves: together(curves) };
+            *known = Followed { of: Some(shown.clone()), curves: together(curves) };
         }
-        self.followed.curves.clone()
+        known.curves.clone()
     }
 
-    /// Puts the newest picture on the screen.
-    fn take_picture(&mut self, ctx: &egui::Context) {
-        let Some(drawn) = self.drawing.as_ref().and_then(Drawing::take) else { return };
-        if drawn.wanted.revision < self.born {
-            return;
-        }
-        let began = Instant::now();
-        let image = egui::ImageData::Color(drawn.image.clone());
-        let texture = match self.on_screen.take() {
-            Some(OnScreen { mut texture, .. }) => {
-                texture.set(image, TextureOptions::LINEAR);
-                texture
+    /// Puts the newest pictures on the screen.
+    fn take_pictures(&mut self, ctx: &egui::Context) {
+        for number in 0..self.panes.len() {
+            let began = Instant::now();
+            if !self.panes[number].take(ctx, self.born) {
+                continue;
             }
-            None => ctx.load_texture("picture of the groom", image, TextureOptions::LINEAR),
-        };
-        let stats = &mut self.stats;
-        stats.pictures += 1;
-        stats.texture_ms = began.elapsed().as_secs_f64() * 1e3;
-        stats.drawn_ms = drawn.ends.ms();
-        stats.uploaded_ms = (drawn.ends.uploaded - drawn.ends.began).as_secs_f64() * 1e3;
-        let revision = drawn.wanted.revision;
-        if stats.newest.is_none_or(|(newest, ..)| newest != revision) {
-            stats.newest = Some((revision, drawn.ends.uploaded, drawn.ends.drawn));
+            let Some(screen) = &self.panes[number].on_screen else { continue };
+            let (ends, revision) = (screen.drawn.ends, screen.drawn.wanted.revision);
+            let stats = &mut self.stats;
+            stats.pictures += 1;
+            stats.texture_ms = began.elapsed().as_secs_f64() * 1e3;
+            stats.drawn_ms = ends.ms();
+            stats.uploaded_ms = (ends.uploaded - ends.began).as_secs_f64() * 1e3;
+            if stats.newest.is_none_or(|(newest, ..)| newest != revision) {
+                stats.newest = Some((revision, ends.uploaded, ends.drawn));
+            }
         }
-        self.on_screen = Some(OnScreen { texture, drawn });
-    }
-
-    fn paint(&self, state: &State, ui: &egui::Ui) {
-        let painter = ui.painter_at(self.rect);
-        painter.rect_filled(self.rect, 0.0, crate::widgets::theme::SUNKEN.dark);
-        let Some(OnScreen { texture, drawn }) = &self.on_screen else { return };
-        if state.shown.is_none() {
-            return;
-        }
-        // After a change of size the last picture keeps its shape until the next one comes.
-        let [width, height] = drawn.wanted.size.map(|n| n as f32);
-        let scale = self.rect.height() / height.max(1.0);
-        let place = Rect::from_center_size(self.rect.center(), Vec2::new(width, height) * scale);
-        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-        painter.image(texture.id(), place, whole, egui::Color32::WHITE);
     }
 
     fn overlay_ui(&mut self, state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
         let view = self.projection();
-        self.overlay.ui(state, &self.options, &self.followed.curves, &view, ui);
+        let number = self.number();
+        let followed = &self.panes[number].followed.curves;
+        self.overlay.ui(state, &self.options, followed, &view, ui);
         // Keys that turn the view leave grips alone.
         let turning = self.drag.is_some() || self.primary_moves(state, ui);
         let free = !turning && !self.pen.pointer;

@@ -2,7 +2,7 @@
 //!
 //! A click selects a curve and the node that made it; the same again selects more of its kin.
 
-use super::drawing::{Drawing, HairHit, PickQuery};
+use super::drawing::{HairHit, PickQuery};
 use super::select::{self, Level};
 use super::{Clicked, NEAR, Purpose, Question, Under, Viewport, hud};
 use crate::core::event::Event;
@@ -16,7 +16,9 @@ use std::collections::BTreeSet;
 
 impl Viewport {
     pub(super) fn question(&mut self, at: Pos2, purpose: Purpose) {
-        let (Some(drawing), Some(screen)) = (&self.drawing, &self.on_screen) else { return };
+        let number = self.number();
+        let pane = &self.panes[number];
+        let (Some(drawing), Some(screen)) = (&pane.drawing, &pane.on_screen) else { return };
         let camera = screen.drawn.wanted.camera;
         let view = Projection::new(camera, self.rect);
         let part = (at - self.rect.min) / self.rect.size();
@@ -38,7 +40,9 @@ impl Viewport {
         out: &mut Vec<Event>,
     ) {
         let held = self.drag.is_some() || self.handles.is_dragging() || self.pen.pointer;
-        let at = response.hover_pos().filter(|_| response.hovered() && !held);
+        let at = response
+            .hover_pos()
+            .filter(|at| response.hovered() && !held && self.part.contains(*at));
         let Some(at) = at else {
             self.under = None;
             return;
@@ -63,9 +67,9 @@ impl Viewport {
     }
 
     pub(super) fn take_answer(&mut self, state: &State, out: &mut Vec<Event>) {
-        let Some(picked) = self.drawing.as_ref().and_then(Drawing::picked) else { return };
+        let Some(picked) = self.hand().picked() else { return };
         let Some(question) = self.question.take_if(|q| q.number <= picked.number) else { return };
-        let camera = self.on_screen.as_ref().map_or(self.camera, |s| s.drawn.wanted.camera);
+        let camera = self.hand().on_screen.as_ref().map_or(self.camera, |s| s.drawn.wanted.camera);
         match question.purpose {
             Purpose::Click { more } => self.clicked_on(state, picked.hair.clone(), more, out),
             Purpose::Menu => {
