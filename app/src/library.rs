@@ -4,6 +4,8 @@
 //! `COIF_TEMPLATES`. Of one name and version the first counts. A file that is no template, or that this version
 //! cannot read in full, is told and left out; it never hides the others. Folders are not searched within.
 
+pub(crate) mod bake;
+pub(crate) mod fitted;
 pub(crate) mod new;
 
 use crate::places::Places;

@@ -142,7 +142,7 @@ mod tests {
     fn inputs_of_a_recipe_are_set_by_their_names_in_a_saved_groom() {
         let bob = recipes::ALL.iter().find(|recipe| recipe.template == "bob").expect("a bob");
         let put = |document: &mut Document| {
-            let made = bob.edits(document, None, false).expect("it is made");
+            let made = bob.edits(document, None, false, None).expect("it is made");
             made.edits
                 .into_iter()
                 .for_each(|edit| drop(edit.apply(document).expect("it is put in")));

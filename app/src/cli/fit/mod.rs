@@ -6,7 +6,6 @@
 //! Guarantees: the graph that is read stays as it is; nothing is written unless both evaluations went well. Not promised: that a
 //! groom looks as well on any head; the report says what was lost, missed or split.
 
-mod bake;
 pub(crate) mod figures;
 
 use super::Exit;
@@ -22,6 +21,7 @@ use crate::jobs::open::{load, reads_all};
 use crate::jobs::report::Fit;
 use crate::jobs::report::Report;
 use crate::jobs::stop::Stop;
+use crate::library::bake::bake;
 use clap::Args;
 use coif_graphs::document::graph::upstream;
 use coif_graphs::document::{Document, Node, NodeId, Setting, Socket};
@@ -134,7 +134,7 @@ fn fit(
     let carried = evaluated(&there, &out_folder, report)?;
     let mut made = None;
     if args.bake {
-        bake::bake(&mut there, &head, carried.scalp.space(), &mut report.warnings);
+        bake(&mut there, &head, carried.scalp.space(), &mut report.warnings);
         let mut again = Report::new(name.clone());
         made = Some(evaluated(&there, &out_folder, &mut again)?);
         (report.nodes, report.outputs) = (again.nodes, again.outputs);

@@ -8,11 +8,13 @@ use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::settings::Settings;
 use crate::core::state::{Select, State};
+use crate::library::fitted::given_between;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::cvs;
 use coif_graphs::document::strokes::whole::{self, End};
-use coif_graphs::document::{NodeId, Setting, wiring};
+use coif_graphs::document::{NodeId, Setting, Socket, graph, wiring};
 use coif_nodes::data::gestures::Tool;
+use coif_nodes::data::landmarks::Landmarks;
 use coif_nodes::data::strokes::{Mode, Stroke};
 use coif_nodes::define::Value;
 use std::collections::BTreeSet;
@@ -744,9 +746,10 @@ fn ask(pen: &mut Pen, state: &State, recipe: usize, out: &mut Vec<Event>) {
 pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Event>) {
     let Some(recipe) = recipes::ALL.get(recipe) else { return };
     let mirror = state.settings.pen.symmetry;
+    let here = landmarks_at_hand(state);
     let made = match instead {
-        true => recipe.instead(&state.document, mirror),
-        false => recipe.edits(&state.document, state.active(), mirror),
+        true => recipe.instead(&state.document, mirror, here.as_ref()),
+        false => recipe.edits(&state.document, state.active(), mirror, here.as_ref()),
     };
     let made = match made {
         Ok(made) => made,
@@ -760,6 +763,17 @@ pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Ev
     out.push(Event::Select(Select::Nodes(vec![made.inputs])));
     out.push(Event::Show(Room::Viewport));
     out.extend(made.drawn.map(Event::TakeUpPen));
+}
+
+/// The landmarks between which strokes on the head at hand are given; none before it has been seen.
+fn landmarks_at_hand(state: &State) -> Option<Landmarks> {
+    let head = graph::head_at_hand(&state.document)?;
+    let output = Socket::new(head.clone(), "scalp");
+    let shown = state.shown.as_ref().and_then(|shown| match shown.values.get(&output) {
+        Some(Value::Scalp(scalp)) => Some(scalp),
+        _ => shown.scalp(),
+    });
+    given_between(&state.document, &head, shown.map(|scalp| scalp.landmarks()))
 }
 
 /// The kind of node that fills a head between strokes.

@@ -9,12 +9,14 @@ use crate::core::faces::Faces;
 use crate::core::faces::arrange::{GAP, free_place, point};
 use crate::core::shown::Reports;
 use crate::library;
+use crate::library::fitted::fitted;
 use coif_graphs::document::edit::{Edit, between};
 use coif_graphs::document::{
     Document, Node, NodeId, Point, Setting, Socket, graph, groups, wiring,
 };
 use coif_graphs::grooms;
 use coif_graphs::template::{self, Placement};
+use coif_nodes::data::landmarks::Landmarks;
 use coif_nodes::define::Value;
 use egui::{Rect, vec2};
 use std::cmp::Ordering;
@@ -202,15 +204,21 @@ impl Recipe {
     ///
     /// # Errors
     /// As [`Recipe::edits`].
-    pub(crate) fn instead(&self, document: &Document, mirror: bool) -> Result<RecipeEdits, String> {
+    pub(crate) fn instead(
+        &self,
+        document: &Document,
+        mirror: bool,
+        here: Option<&Landmarks>,
+    ) -> Result<RecipeEdits, String> {
         let bare = wiring::without_hair(document);
-        let made = self.edits(&bare, None, mirror)?;
+        let made = self.edits(&bare, None, mirror, here)?;
         let edits = [between(document, &bare)].into_iter().chain(made.edits).collect();
         Ok(RecipeEdits { edits, ..made })
     }
 
     /// The edits of the recipe. Its head is the one at hand, where the document has one; rows are drawn into `strokes`, when
-    /// nothing takes from it yet. `mirror`: what is drawn is drawn on both sides.
+    /// nothing takes from it yet. `mirror`: what is drawn is drawn on both sides. What the recipe itself has drawn, such as a parting or
+    /// the outline of a beard, lies between the landmarks `here` as it does on the built-in head.
     ///
     /// # Errors
     /// Why it cannot be made, for people.
@@ -219,10 +227,15 @@ impl Recipe {
         document: &Document,
         strokes: Option<&NodeId>,
         mirror: bool,
+        here: Option<&Landmarks>,
     ) -> Result<RecipeEdits, String> {
         let found = grooms::TEMPLATES.iter().find(|(name, _)| *name == self.template);
         let (_, text) = found.ok_or("it does not come with this version")?;
         let template = library::shipped(text)?.document;
+        let template = match here {
+            Some(here) => fitted(template, here),
+            None => template,
+        };
         let drawn = strokes.filter(|_| self.draws == Draws::Rows);
         // Where it stands in its own file, until all of it is moved.
         let at = template::group_of(&template)?;
@@ -424,7 +437,7 @@ mod tests {
         table.editor().apply(Event::Undo);
         assert_eq!(table.editor().state.document, head());
         for recipe in ALL.iter().filter(|recipe| !recipe.is_drawn()) {
-            let made = recipe.edits(&head(), None, false).expect(recipe.label);
+            let made = recipe.edits(&head(), None, false, None).expect(recipe.label);
             let mut document = head();
             Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
             let problems = coif_graphs::document::graph::check(&document);
@@ -476,7 +489,7 @@ mod tests {
     #[test]
     fn recipes_name_no_colour_that_somebody_may_change() {
         for recipe in &ALL {
-            let made = recipe.edits(&head(), None, false).expect(recipe.label);
+            let made = recipe.edits(&head(), None, false, None).expect(recipe.label);
             let mut document = head();
             Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
             for node in document.nodes.values().filter(|node| node.kind == "hair_colour") {
@@ -491,7 +504,7 @@ mod tests {
         let mut document = head();
         let bob = &ALL[8];
         for recipe in [bob, bob, &ALL[10]] {
-            let made = recipe.edits(&document, None, false).unwrap();
+            let made = recipe.edits(&document, None, false, None).unwrap();
             Edit::Several(made.edits).apply(&mut document).unwrap();
         }
         assert_eq!(document.display, None, "all outputs are shown");
@@ -505,7 +518,7 @@ mod tests {
             document.layout.values().map(|at| format!("{at:?}")).collect();
         assert_eq!(places.len(), document.layout.len(), "no node lies on another");
         // A document without a head gets the recipe's own.
-        let made = bob.edits(&Document::default(), None, false).unwrap();
+        let made = bob.edits(&Document::default(), None, false, None).unwrap();
         let mut document = Document::default();
         Edit::Several(made.edits).apply(&mut document).unwrap();
         assert_eq!(document.nodes.values().filter(|node| node.is_head()).count(), 1);
@@ -517,9 +530,9 @@ mod tests {
         let (strokes, edits) = target::make(&document, false).unwrap();
         let mut document = document;
         Edit::Several(edits).apply(&mut document).unwrap();
-        let rows = ALL[2].edits(&document, Some(&strokes), false).unwrap();
+        let rows = ALL[2].edits(&document, Some(&strokes), false, None).unwrap();
         assert_eq!(rows.drawn.as_ref(), Some(&strokes));
-        let fresh = ALL[2].edits(&head(), None, true).unwrap();
+        let fresh = ALL[2].edits(&head(), None, true, None).unwrap();
         let mut document = head();
         Edit::Several(fresh.edits).apply(&mut document).unwrap();
         let drawn = fresh.drawn.expect("strokes");
@@ -643,13 +656,13 @@ mod tests {
     #[test]
     fn a_saved_groom_of_a_recipe_takes_its_inputs_on_the_command_line() {
         let mut document = head();
-        let made = ALL[8].edits(&document, None, false).unwrap();
+        let made = ALL[8].edits(&document, None, false, None).unwrap();
         Edit::Several(made.edits).apply(&mut document).unwrap();
         let text = coif_graphs::file::write(&document);
         let read = coif_graphs::file::read(&text).unwrap();
         assert!(read.warnings.is_empty() && read.document == document, "{:?}", read.warnings);
         // Two of a kind: each has its own, and the second its name in files.
-        let made = ALL[8].edits(&document, None, false).unwrap();
+        let made = ALL[8].edits(&document, None, false, None).unwrap();
         Edit::Several(made.edits).apply(&mut document).unwrap();
         let parameters: Vec<&str> = document
             .nodes
@@ -670,7 +683,7 @@ mod tests {
         for recipe in &ALL {
             let mut document = cornrows.clone();
             for _ in 0..2 {
-                let made = recipe.edits(&document, None, false).expect(recipe.label);
+                let made = recipe.edits(&document, None, false, None).expect(recipe.label);
                 Edit::Several(made.edits).apply(&mut document).expect(recipe.label);
             }
             let faces = Faces::new(&document, &Reports::default(), &BTreeSet::new(), None, None);
@@ -688,12 +701,12 @@ mod tests {
         let apply = |document: &mut Document, edits: Vec<Edit>| {
             Edit::Several(edits).apply(document).expect("it is made");
         };
-        let made = ALL[8].edits(&document, None, false).unwrap();
+        let made = ALL[8].edits(&document, None, false, None).unwrap();
         apply(&mut document, made.edits);
         let (bare, edits) = crate::rooms::pen::leave_out::region(&document, false).unwrap();
         apply(&mut document, edits);
         for recipe in [&ALL[7], &ALL[15]] {
-            let made = recipe.instead(&document, false).unwrap();
+            let made = recipe.instead(&document, false, None).unwrap();
             let mut document = document.clone();
             apply(&mut document, made.edits);
             let head = graph::head_at_hand(&document).unwrap();

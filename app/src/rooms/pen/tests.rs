@@ -640,7 +640,7 @@ fn a_stroke_that_becomes_no_hair_lies_on_no_node_hides_no_hair_and_says_so() {
     // Two recipes: all outputs are displayed, none by itself.
     let mut document = head();
     for at in [14, 14] {
-        let made = recipes::ALL[at].edits(&document, None, false).expect("a recipe");
+        let made = recipes::ALL[at].edits(&document, None, false, None).expect("a recipe");
         Edit::Several(made.edits).apply(&mut document).expect("it is put in");
     }
     let outputs = document.nodes.values().filter(|node| node.kind == "groom_output").count();

@@ -225,7 +225,9 @@ fn made(scene: &Scene, after: Option<&Socket>) -> Result<(NodeId, Vec<Edit>), &'
     let made = match after {
         Some(after) => target::make(document, after),
         None => {
-            let made = super::recipes::ALL[super::recipes::SKETCH].edits(document, None, false);
+            // All of it is to be drawn yet.
+            let sketch = &super::recipes::ALL[super::recipes::SKETCH];
+            let made = sketch.edits(document, None, false, None);
             made.ok().and_then(|made| Some((made.drawn?, made.edits)))
         }
     };

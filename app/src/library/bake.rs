@@ -38,7 +38,7 @@ enum Given {
 
 /// Brings everything that hangs from a head to the units of that head's own frame, and takes its map away. A value that comes by
 /// ports of groups or by parameters is changed where it is set. What cannot be brought along is told.
-pub(super) fn bake(
+pub(crate) fn bake(
     document: &mut Document,
     head: &NodeId,
     space: &HeadSpace,

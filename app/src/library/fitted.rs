@@ -1,0 +1,144 @@
+//! A template fitted to the head that it is put on: what is drawn in it lies between the same landmarks.
+//!
+//! Guarantees: on the built-in head, and where no map leads to a head, not a bit changes; what is drawn lies where `coif fit --bake` would
+//! bring it. Not promised: anything for a template that was made on another head than the built-in one, which is taken as it is.
+
+use super::bake::bake;
+use coif_graphs::document::graph::head_at_hand;
+use coif_graphs::document::{Document, NodeId, Setting, Socket};
+use coif_graphs::file;
+use coif_graphs::schedule::files::DiskFiles;
+use coif_graphs::schedule::request::plan;
+use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
+use coif_nodes::data::carry::Carry;
+use coif_nodes::data::landmarks::Landmarks;
+use coif_nodes::data::scalp::{HeadFrame, HeadSpace};
+use coif_nodes::define::Value;
+use coif_nodes::eval::Quality;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// The template, drawn for a head with the landmarks `here`.
+pub(crate) fn fitted(mut template: Document, here: &Landmarks) -> Document {
+    let Some(head) = head_at_hand(&template).filter(|head| is_built_in(&template, head)) else {
+        return template;
+    };
+    let (map, _) = Carry::between(built_in(), here);
+    if map.is_some() {
+        // Directions are in the frame of a head on all of them.
+        let space = HeadSpace::new(HeadFrame::IDENTITY, map);
+        bake(&mut template, &head, &space, &mut vec![]);
+    }
+    template
+}
+
+/// Whether a head node is the built-in head, as it comes.
+fn is_built_in(document: &Document, head: &NodeId) -> bool {
+    document.node(head.as_str()).is_some_and(|node| node.inputs.is_empty())
+        && !document.links.keys().any(|to| to.node == *head)
+}
+
+/// A groom of the built-in head alone.
+const BUILT_IN: &str = r#"(format: 3, title: "", seed: 0, nodes: { "head": (kind: "head") })"#;
+
+/// The landmarks of the built-in head.
+fn built_in() -> &'static Landmarks {
+    static KNOWN: OnceLock<Landmarks> = OnceLock::new();
+    KNOWN.get_or_init(|| {
+        let Ok(read) = file::read(BUILT_IN) else { return Landmarks::default() };
+        let document = read.document;
+        let Some(head) = head_at_hand(&document) else { return Landmarks::default() };
+        let wanted = [Socket::new(head, "scalp")];
+        let files = DiskFiles::new(Path::new(""));
+        let plan = plan(&document, &wanted, Quality::Final, &files).ok();
+        let evaluator = Evaluator::new(1, 0).ok();
+        let run = evaluator.zip(plan).map(|(evaluator, plan)| {
+            evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet).targets
+        });
+        match run.and_then(|mut targets| targets.pop().flatten()) {
+            Some(Value::Scalp(scalp)) => *scalp.landmarks(),
+            _ => Landmarks::default(),
+        }
+    })
+}
+
+/// The landmarks that what is drawn on a head is given between: those of its home, or its own as `shown`.
+pub(crate) fn given_between(
+    document: &Document,
+    head: &NodeId,
+    shown: Option<&Landmarks>,
+) -> Option<Landmarks> {
+    let node = document.node(head.as_str())?;
+    match node.inputs.get("home") {
+        Some(Setting::Known(Value::Text(home))) if !home.trim().is_empty() => {
+            Some(Landmarks::parse(home).0)
+        }
+        _ => shown.copied(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library;
+    use coif_graphs::grooms;
+    use glam::Vec3;
+
+    /// As they are guessed on a scan with a high face, and on a character with a low one.
+    const OTHERS: [&str; 2] = [
+        "front 0 4.577 8.637; nape 0 -8.05 -6.412; left temple 5.952 0.827 4.168; right temple -6.276 1.018 4.395; \
+         left ear 6.811 -0.797 -0.104; right ear -6.972 -0.893 -0.087; crown 0 8.157 -3.804; chin 0 -11.303 9.718; \
+         bridge 0 -0.89 9.328; nose 0 -4.361 11.463; mouth 0 -7.232 10.05",
+        "front 0 4.441 8.474; nape 0 -7.043 -5.211; left temple 6.574 1.193 4.603; right temple -6.577 1.194 4.605; \
+         left ear 8.421 -0.643 -1.258; right ear -8.418 -0.643 -1.258; crown 0 8.114 -3.784; chin 0 -12.905 7.822; \
+         bridge 0 -3.204 9.332; nose 0 -6.942 10.847; mouth 0 -9.59 9.185",
+    ];
+
+    fn template(name: &str) -> Document {
+        let (_, text) =
+            grooms::TEMPLATES.iter().find(|(it, _)| *it == name).expect("it is shipped");
+        library::shipped(text).expect("a template").document
+    }
+
+    /// All that is drawn in a template, head units.
+    fn drawn(document: &Document) -> Vec<Vec3> {
+        let values = document.nodes.values().flat_map(|node| node.inputs.values());
+        let strokes = values.filter_map(|setting| match setting {
+            Setting::Known(Value::Strokes(strokes)) => Some(strokes.0.iter()),
+            _ => None,
+        });
+        strokes.flatten().flat_map(|s| &s.samples).map(|s| s.position).collect()
+    }
+
+    fn middle(of: &[Vec3]) -> Vec3 {
+        of.iter().sum::<Vec3>() / of.len() as f32
+    }
+
+    #[test]
+    fn brows_lie_over_the_bridge_of_any_nose_and_a_beard_around_any_mouth() {
+        use coif_nodes::data::landmarks::Landmark;
+        for (name, mark) in [("brows", Landmark::Bridge), ("beard", Landmark::Mouth)] {
+            let home = middle(&drawn(&template(name))) - built_in().get(mark).expect("a face");
+            for other in OTHERS {
+                let here = Landmarks::parse(other).0;
+                let by = |points: Vec<Vec3>| middle(&points) - here.get(mark).expect("a face");
+                let (plain, fitted) =
+                    (by(drawn(&template(name))), by(drawn(&fitted(template(name), &here))));
+                // The map also lets foreheads and chins meet.
+                let [plain, off] = [plain, fitted].map(|by| (by.y - home.y).abs());
+                println!("{name}: {off} head units off, {plain} as it was drawn");
+                assert!(off < 0.6 && (plain < 0.3 || off < 0.5 * plain), "{name}: {off}, {plain}");
+            }
+        }
+    }
+
+    #[test]
+    fn on_the_built_in_head_not_a_bit_changes_nor_on_a_head_without_landmarks() {
+        for (name, _) in grooms::TEMPLATES {
+            let plain = template(name);
+            for here in [*built_in(), Landmarks::default()] {
+                assert_eq!(fitted(plain.clone(), &here), plain, "{name}");
+            }
+        }
+    }
+}
