@@ -130,6 +130,13 @@ impl Gpu {
         self.lost.get().map(String::as_str)
     }
 
+    /// Bytes that the device's buffers and textures take; 0 where the system does not tell.
+    pub fn bytes(&self) -> usize {
+        let report = self.device.generate_allocator_report();
+        report
+            .map_or(0, |report| usize::try_from(report.total_allocated_bytes).unwrap_or(usize::MAX))
+    }
+
     /// Waits until all submitted work is done.
     pub(crate) fn wait(&self) {
         // A wait without a limit fails only when the device is lost, and then `lost` says so.

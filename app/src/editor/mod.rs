@@ -103,6 +103,8 @@ pub struct Editor {
     last_final_ms: f64,
     /// The first state of this document.
     born: u64,
+    /// Bytes that documents hold, as of this number of changes.
+    documents_bytes: (u64, usize),
 }
 
 /// What decides whether to evaluate again.
@@ -161,6 +163,7 @@ impl Editor {
             // Nothing is known yet: a preview comes first.
             last_final_ms: f64::INFINITY,
             born: 0,
+            documents_bytes: (u64::MAX, 0),
         }
     }
 
@@ -252,6 +255,7 @@ impl Editor {
         documents::after(self, &ctx);
         self.shield(&ctx);
         self.types = ctx.text_edit_focused();
+        self.make_room();
         self.evaluate();
         if self.state.run.since.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
@@ -343,6 +347,7 @@ impl Editor {
         self.born = self.state.revision;
         self.state.shown = None;
         self.viewport.forget(self.born);
+        self.canvas.forget();
         self.state.settings.pen.symmetry = false;
     }
 
@@ -400,6 +405,16 @@ impl Editor {
     /// Whether a different document or head is about to be shown. Turning a head by hand does not count.
     fn is_afresh(&self) -> bool {
         self.state.shown.is_none() || self.documents.is_framing() && !self.state.gesture
+    }
+
+    /// What evaluation keeps gives way to what pictures, documents and undo hold.
+    fn make_room(&mut self) {
+        let Some(evaluation) = &self.evaluation else { return };
+        if self.documents_bytes.0 != self.state.changes {
+            let held = self.state.document.bytes() + self.state.history.bytes();
+            self.documents_bytes = (self.state.changes, held);
+        }
+        evaluation.make_room(self.viewport.bytes() + self.documents_bytes.1);
     }
 
     /// Asks for an evaluation where one is due.

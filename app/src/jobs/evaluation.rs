@@ -72,6 +72,11 @@ struct Desk {
     stopped_last: bool,
     finished: Option<Finished>,
     status: RunStatus,
+    /// Bytes held elsewhere, and whether what is kept has not given way to them yet.
+    elsewhere: usize,
+    makes_room: bool,
+    /// The document that all of it was kept for is gone.
+    leaves: bool,
     closed: bool,
 }
 
@@ -85,7 +90,7 @@ impl Desk {
     /// Whether there is nothing to do.
     fn is_at_rest(&self) -> bool {
         let asks = self.next.is_some() || self.trace.is_some() || self.what_made.is_some();
-        !asks && self.beside.is_none() && !self.closed
+        !asks && self.beside.is_none() && !self.makes_room && !self.leaves && !self.closed
     }
 }
 
@@ -122,6 +127,16 @@ impl Evaluation {
         Ok(Self { shared, evaluator })
     }
 
+    /// Tells how many bytes are held elsewhere, which count against the budget of what is kept.
+    pub(crate) fn make_room(&self, elsewhere: usize) {
+        let mut desk = self.shared.desk();
+        if std::mem::replace(&mut desk.elsewhere, elsewhere) != elsewhere {
+            desk.makes_room = true;
+            drop(desk);
+            self.shared.work.notify_one();
+        }
+    }
+
     /// What evaluates, for jobs beside it: what is kept of either's values serves both.
     pub(crate) fn evaluator(&self) -> Arc<Evaluator> {
         self.evaluator.clone()
@@ -154,9 +169,10 @@ impl Evaluation {
         }
     }
 
-    /// The same, and forgets what was said of a document that is gone.
+    /// The same, and forgets what was said of a document that is gone, and most of what was made for it.
     pub(crate) fn forget(&self) {
         self.stop();
+        self.shared.desk().leaves = true;
         let mut desk = self.shared.desk();
         (desk.finished, desk.status.reports) = (None, Arc::default());
     }
@@ -252,6 +268,17 @@ fn serve(shared: &Shared, evaluator: &Evaluator) {
         }
         if desk.closed {
             return;
+        }
+        // What gives way is freed here, for that takes a while.
+        let (leaves, elsewhere) = (std::mem::take(&mut desk.leaves), desk.elsewhere);
+        if std::mem::take(&mut desk.makes_room) || leaves {
+            drop(desk);
+            evaluator.make_room(elsewhere);
+            if leaves {
+                evaluator.leave_document();
+            }
+            shared.desk().status.cache = evaluator.cache_bytes();
+            continue;
         }
         let cancel = CancelToken::default();
         let Some(request) = desk.next.take() else {

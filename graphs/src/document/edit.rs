@@ -21,6 +21,7 @@ use wires::{
 };
 
 mod between;
+mod bytes;
 mod effect;
 mod lists;
 mod wires;

@@ -200,6 +200,12 @@ impl History {
         self.saved = Some(self.done.len());
     }
 
+    /// Bytes that hold what can be taken back and done again.
+    pub fn bytes(&self) -> usize {
+        let steps = self.done.iter().chain(&self.undone).chain(&self.open);
+        steps.flat_map(|step| &step.back).map(Edit::bytes).sum()
+    }
+
     /// Whether the document differs by a step from what was saved.
     pub fn is_changed(&self) -> bool {
         self.saved != Some(self.done.len())

@@ -110,6 +110,16 @@ impl Evaluator {
         (cache.bytes(), cache.budget())
     }
 
+    /// Tells how many bytes are held elsewhere that count against the cache's budget: pictures, documents.
+    pub fn make_room(&self, elsewhere: usize) {
+        self.cache().make_room(elsewhere);
+    }
+
+    /// Tells that another document takes the place of the one that was evaluated: what is kept of that gives way.
+    pub fn leave_document(&self) {
+        self.cache().leave_document();
+    }
+
     /// Threads that work on a plan of this quality.
     pub fn threads(&self, quality: Quality) -> usize {
         self.pool(quality).current_num_threads()
@@ -161,11 +171,12 @@ impl Evaluator {
         let mut reports: Vec<Option<NodeReport>> = vec![None; n];
         // Held until the end, when all is built that is asked of them.
         let mut heads: Vec<Vec<Arc<Scalp>>> = vec![vec![]; n];
+        let mut keys: Vec<Option<Key>> = vec![None; n];
         // The first of the plan comes first.
         let mut ready: BTreeSet<usize> = (0..n).filter(|i| waiting[*i] == 0).collect();
         let (mut running, mut finished) = (0, 0);
         let threads = self.threads(plan.quality);
-        let (send, receive) = mpsc::channel::<(usize, NodeReport, Option<Vec<Value>>)>();
+        let (send, receive) = mpsc::channel::<(usize, Key, NodeReport, Option<Vec<Value>>)>();
         std::thread::scope(|scope| {
             loop {
                 while running < threads
@@ -195,19 +206,20 @@ impl Evaluator {
                     progress.started(&plan.steps[i].name);
                     let send = send.clone();
                     scope.spawn(move || {
-                        let (report, out) =
+                        let (key, report, out) =
                             self.step(plan, i, inputs, on_failure, cancel, progress);
-                        let _ = send.send((i, report, out));
+                        let _ = send.send((i, key, report, out));
                     });
                 }
                 if running == 0 {
                     break;
                 }
-                let Ok((i, report, out)) = receive.recv() else { break };
+                let Ok((i, key, report, out)) = receive.recv() else { break };
                 running -= 1;
                 finished += 1;
                 progress.done(finished, n);
                 reports[i] = Some(report);
+                keys[i] = Some(key);
                 if let Some(given) = &out {
                     heads[i].extend(given.iter().filter_map(head_of));
                     for j in read_by[i].iter().copied() {
@@ -222,6 +234,9 @@ impl Evaluator {
                 }
             }
         });
+        // What was built of heads meanwhile is kept with them.
+        let with_heads = keys.iter().zip(&heads).filter(|(_, heads)| !heads.is_empty());
+        with_heads.filter_map(|(key, _)| *key).for_each(|key| self.recount(key));
         for (report, bytes) in reports.iter_mut().zip(held::of_scalps(&heads)) {
             report.iter_mut().for_each(|report| report.bytes += bytes);
         }
@@ -246,7 +261,7 @@ impl Evaluator {
         on_failure: OnFailure,
         cancel: &CancelToken,
         progress: &dyn Progress,
-    ) -> (NodeReport, Option<Vec<Value>>) {
+    ) -> (Key, NodeReport, Option<Vec<Value>>) {
         let step = &plan.steps[i];
         let began = Instant::now();
         let log = Log::default();
@@ -298,7 +313,6 @@ impl Evaluator {
             if let Ok(values) = &result {
                 report.messages.extend(vanished(step, &inputs, values, &report.messages));
                 report.bytes = held::new_bytes(&inputs, values);
-                let bytes = values.iter().map(Value::bytes).sum::<usize>() + 256;
                 let known = Known {
                     values: values.clone(),
                     messages: report.messages.clone(),
@@ -307,6 +321,7 @@ impl Evaluator {
                     tufts: report.tufts_run + report.tufts_reused,
                     held: report.bytes,
                 };
+                let bytes = known.bytes();
                 self.cache().keep(keys.whole, Arc::new(known), bytes);
             }
             result
@@ -332,7 +347,16 @@ impl Evaluator {
             report.curves += curves;
             report.points += points;
         }
-        (report, values)
+        (keys.whole, report, values)
+    }
+
+    /// Counts what is kept under a key again.
+    fn recount(&self, key: Key) {
+        let mut cache = self.cache();
+        if let Some(known) = cache.find(key).and_then(|kept| kept.downcast::<Known>().ok()) {
+            let bytes = known.bytes();
+            cache.keep(key, known, bytes);
+        }
     }
 }
 
@@ -352,6 +376,13 @@ struct Known {
     tufts: u32,
     /// Bytes of what was new in them, without heads.
     held: usize,
+}
+
+impl Known {
+    /// Bytes of all of it, as the cache counts them.
+    fn bytes(&self) -> usize {
+        self.values.iter().map(Value::bytes).sum::<usize>() + 256
+    }
 }
 
 /// Keys of one evaluation of a node.

@@ -2,6 +2,7 @@
 //! killed.
 
 mod exporting;
+mod memory;
 
 use super::dialogs::Answer;
 use super::dialogs::fake::Fake;

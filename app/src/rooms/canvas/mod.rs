@@ -160,6 +160,11 @@ impl Canvas {
         egui_graph::id(if self.looks { "coif canvas beside" } else { "coif canvas" })
     }
 
+    /// Forgets what it worked out of a document that is gone: it may be covered for long.
+    pub(crate) fn forget(&mut self) {
+        self.cache = FaceCache::default();
+    }
+
     /// Marks nodes and wires, or none.
     pub(crate) fn mark(&mut self, marks: Option<Arc<DiffMarks>>) {
         self.memory.marks = marks;

@@ -214,6 +214,8 @@ struct Desk {
     picked: Option<PickResult>,
     fault: Option<String>,
     adapter: Option<String>,
+    /// Bytes that pictures and what they are drawn of take on the device.
+    bytes: usize,
     /// Whether the scene that was asked for last is drawn as far as it is to be.
     idle: bool,
     closed: bool,
@@ -304,6 +306,11 @@ impl Drawing {
         self.shared.desk().adapter.clone()
     }
 
+    /// Bytes that it takes: on the device, and of the picture on the screen.
+    pub fn bytes(&self) -> usize {
+        self.shared.desk().bytes
+    }
+
     /// Whether what was asked for last is drawn, and taken.
     pub fn is_idle(&self) -> bool {
         let desk = self.shared.desk();
@@ -388,7 +395,11 @@ fn draw(shared: &Shared, mut painter: Painter) -> Result<(), coif_shaders::Rende
             shared.desk().picked = Some(picked);
             (shared.wake)();
         } else if let Some(drawn) = painter.advance()? {
-            shared.desk().drawn = Some(drawn);
+            let bytes = painter.bytes();
+            let mut desk = shared.desk();
+            desk.bytes = bytes + 2 * size_of_val(&drawn.image.pixels[..]);
+            desk.drawn = Some(drawn);
+            drop(desk);
             (shared.wake)();
         }
     }

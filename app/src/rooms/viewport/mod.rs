@@ -327,6 +327,12 @@ impl Viewport {
             && !self.overlay.is_finding()
     }
 
+    /// Bytes that pictures take, and what they are drawn of.
+    pub fn bytes(&self) -> usize {
+        let drawings = self.panes.iter().filter_map(|pane| pane.drawing.as_ref());
+        drawings.map(Drawing::bytes).sum()
+    }
+
     /// Why there is no picture.
     pub fn fault(&self) -> Option<String> {
         let drawings = self.panes.iter().filter_map(|pane| pane.drawing.as_ref());

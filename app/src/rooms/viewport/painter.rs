@@ -328,6 +328,11 @@ impl Painter {
         picked
     }
 
+    /// Bytes that it takes on the device.
+    pub(super) fn bytes(&self) -> usize {
+        self.renderer.gpu().bytes()
+    }
+
     /// Name and driver of what draws.
     pub(super) fn adapter(&self) -> String {
         let info = &self.renderer.gpu().info;
