@@ -24,8 +24,8 @@ pub(in crate::editor) const PANEL: &str = "export hair";
 pub(super) const WIDTH: f32 = 460.0;
 /// The same with its frame.
 pub(super) const WIDE: f32 = WIDTH + 28.0;
-/// How much of the list of exports is seen at once, in points.
-const LIST: f32 = 132.0;
+/// How high the list of exports is, whatever it holds, in points: a panel that grew would move its buttons.
+const LIST: f32 = 108.0;
 
 /// What is chosen in the panel. It stays for the next time.
 #[derive(Default)]
@@ -301,12 +301,12 @@ fn top_label(ui: &mut egui::Ui, text: &str) -> egui::Response {
 /// The exports that go on, and the last that ended; gives the number of one that is to be stopped.
 pub(super) fn rows(exports: &Exports, ui: &mut egui::Ui) -> Option<u64> {
     let going = exports.going();
-    if going.is_empty() && exports.told().next().is_none() {
-        return None;
-    }
     let mut cancel = None;
     ui.separator();
-    ScrollArea::vertical().max_height(LIST).auto_shrink([false, true]).show(ui, |ui| {
+    ScrollArea::vertical().max_height(LIST).auto_shrink(false).show(ui, |ui| {
+        if going.is_empty() && exports.told().next().is_none() {
+            ui.label(RichText::new("Nothing is being written").weak());
+        }
         for row in going.iter().chain(exports.told()) {
             if one(row, ui) {
                 cancel = Some(row.number);

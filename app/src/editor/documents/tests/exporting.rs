@@ -307,3 +307,21 @@ fn a_stopped_or_refused_export_leaves_no_file() {
     assert!(said(&ui, Gravity::Error)[0].contains("grooms are written as"));
     assert_eq!(std::fs::read_dir(folder.root()).unwrap().count(), 0);
 }
+
+#[test]
+fn the_panel_keeps_its_size_and_its_button_whatever_is_written() {
+    let folder = Folder::new("export-still");
+    let (mut ui, _) = on_empty_head();
+    few_guides(&mut ui);
+    act(&mut ui, "file.export");
+    ui.run_steps(4);
+    let button = |ui: &Ui| ui.get_by_label("Export").rect();
+    let before = button(&ui);
+    for number in 0..6 {
+        export(&mut ui, folder.path(&format!("{number}.usda")));
+        assert_eq!(button(&ui), before, "while {number} is written");
+    }
+    all_written(&mut ui);
+    ui.run_steps(4);
+    assert_eq!(button(&ui), before);
+}
