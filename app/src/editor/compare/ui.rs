@@ -71,11 +71,12 @@ impl Compare {
 
     fn list(&mut self, mine: &State, ui: &mut Ui, out: &mut Vec<Event>) {
         ui.horizontal_wrapped(|ui| {
-            self.sides_buttons(ui, out);
+            // First, so that it is seen in the smallest window.
             let close = ui.button("End").on_hover_text("Show your document alone again");
             if close.clicked() {
                 out.push(Event::Act("compare.end"));
             }
+            self.sides_buttons(ui, out);
             let alike = match () {
                 () if self.lines.is_empty() => "the same groom",
                 () if self.same_hair => "the same hair",
