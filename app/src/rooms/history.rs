@@ -1,5 +1,5 @@
 //! The history room: every step in words, the present one marked. A click goes there, and what the step changed is
-//! selected.
+//! selected. A step that becomes the present one is brought into sight.
 
 use crate::core::event::Event;
 use crate::core::state::{Select, State};
@@ -23,7 +23,25 @@ pub(crate) fn ui(state: &State, ui: &mut egui::Ui, out: &mut Vec<Event>) {
     });
     ui.separator();
     let height = ui.spacing().interact_size.y;
+    // Whoever scrolls stays where they are until another step is the present one. A frame may be laid out more than once.
+    let (kept, frame) = (ui.id().with("present step"), ui.ctx().cumulative_frame_nr());
+    // Where lines become higher, they lie elsewhere.
+    let now = (done, steps.len(), height.to_bits());
+    let is_new = ui.data_mut(|data| {
+        let since = data.get_temp_mut_or_insert_with(kept, || (now, frame));
+        if since.0 != now {
+            *since = (now, frame);
+        }
+        since.1 == frame
+    });
     ScrollArea::vertical().auto_shrink(false).show_rows(ui, height, steps.len() + 1, |ui, rows| {
+        if is_new {
+            let line = height + ui.spacing().item_spacing.y;
+            let top = ui.max_rect().top() + line * (done as f32 - rows.start as f32);
+            let lines = egui::Rangef::new(top - line, top + 2.0 * line);
+            let lines = egui::Rect::from_x_y_ranges(ui.max_rect().x_range(), lines);
+            ui.scroll_to_rect_animation(lines, None, egui::style::ScrollAnimation::none());
+        }
         for at in rows {
             let words = match at.checked_sub(1).and_then(|at| steps.get(at)) {
                 Some(step) => step.words.clone(),
@@ -55,6 +73,36 @@ mod tests {
     use coif_graphs::document::{Document, NodeId};
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
+
+    #[test]
+    fn the_present_step_is_in_sight_wherever_it_is() {
+        let context = egui::Context::default();
+        let mut editor = Editor::new(&context, Document::default(), OpenFile::default());
+        for seed in 1..200 {
+            editor.apply(Event::Edit(Edit::SetSeed(seed)));
+        }
+        editor.apply(Event::Show(Room::History));
+        let mut ui = Harness::builder()
+            .with_size(egui::vec2(1366.0, 768.0))
+            .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+        for to in [199, 0, 120, 121, 199] {
+            ui.state_mut().apply(Event::Jump(to));
+            ui.run_steps(30);
+            let room = ui.state().place_of(Room::History).expect("the room is shown");
+            let marked = ui.get_by_label_contains("▶ ").rect();
+            assert!(room.contains_rect(marked), "step {to} is at {marked:?}, the room {room:?}");
+        }
+        // Scrolling away is left alone.
+        ui.state_mut().apply(Event::Jump(0));
+        ui.run_steps(30);
+        let room = ui.state().place_of(Room::History).expect("the room is shown");
+        ui.event(egui::Event::PointerMoved(room.center()));
+        let (unit, delta) = (egui::MouseWheelUnit::Line, egui::vec2(0.0, -40.0));
+        let (modifiers, phase) = (egui::Modifiers::NONE, egui::TouchPhase::Move);
+        ui.event(egui::Event::MouseWheel { unit, delta, modifiers, phase });
+        ui.run_steps(30);
+        assert!(ui.query_by_label_contains("▶ ").is_none(), "it was scrolled out of sight");
+    }
 
     #[test]
     fn a_click_goes_to_a_step_and_selects_what_it_changed() {
