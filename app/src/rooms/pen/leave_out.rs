@@ -160,12 +160,14 @@ mod tests {
         for _ in 0..10 {
             table.editor().act("pen.stronger");
         }
-        table.draw(&wide);
-        table.rest();
-        while table.editor().pen.touches.is_busy() {
+        for _ in 0..2 {
+            table.draw(&wide);
             table.rest();
+            while table.editor().pen.touches.is_busy() {
+                table.rest();
+            }
         }
         let (_, after) = roots(&mut table);
-        assert!(before > 20 && after * 4 < before, "{before} guides, then {after}");
+        assert!(before > 20 && after * 2 < before, "{before} guides, then {after}");
     }
 }
