@@ -179,7 +179,7 @@ mod tests {
         let without = |on: &Arc<Scalp>, at: Vec3, radius: f32| {
             let (middle, line) = outline(&plain, at, radius);
             let set = [("side", "outside".into()), ("outline", Strokes(vec![line]).into())];
-            let (scalp, said) = region(on, &[&set[..], &[sharp.clone()]].concat());
+            let (scalp, said) = region(on, &[&set[..], std::slice::from_ref(&sharp)].concat());
             let told = said.iter().find_map(|s| s.strip_prefix("region: ")?.strip_suffix(" cm2"));
             let area: f32 = told.unwrap().parse().unwrap();
             (scalp, middle, area)

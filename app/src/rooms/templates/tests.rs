@@ -284,7 +284,7 @@ fn old_and_new() -> (Document, String) {
     let added = template::add(&document, &old, place).unwrap();
     added.edit.apply(&mut document).unwrap();
     for (input, value) in
-        [("count", Value::Int(5000)), ("diameter", Value::from(Field::Constant(0.3)))]
+        [("count", Value::Int(5000)), ("curl_size", Value::from(Field::Constant(0.3)))]
     {
         let (node, setting) = (added.id.clone(), Setting::Known(value));
         Edit::SetInput { node, input: input.to_owned(), setting }.apply(&mut document).unwrap();
@@ -293,7 +293,7 @@ fn old_and_new() -> (Document, String) {
         let group = template::group_of(new).unwrap().clone();
         let ports = new.nodes[&group].interface.unwrap();
         let mut inputs = ports.inputs().to_vec();
-        inputs.retain(|port| port.name != "diameter");
+        inputs.retain(|port| port.name != "curl_size");
         for port in inputs.iter_mut().filter(|port| port.name == "count") {
             (port.name, port.was) = ("hairs".to_owned(), vec!["count".to_owned()]);
         }
@@ -326,7 +326,7 @@ fn an_upgrade_is_told_before_it_is_done_and_is_one_step() {
     });
     hands.steps(2);
     hands.picture("an upgrade");
-    assert!(hands.shows("✖ diameter = 0.3: lost, there is no such input any more"));
+    assert!(hands.shows("✖ curl_size = 0.3: lost, there is no such input any more"));
     assert!(hands.shows("⏵ count = 5000: moved to hairs"));
     assert!(hands.shows("• scalp = head.scalp: kept"));
     assert_eq!(hands.editor().state.document, document, "nothing is done yet");
@@ -371,7 +371,7 @@ fn what_is_offered_follows_the_document_and_a_template_that_lacks_loses_nothing(
         hands.editor().state.offer.is_some()
     });
     let told = hands.editor().state.offer.as_ref().unwrap().overrides.len();
-    let unset = Edit::UnsetInput { node: id.clone(), input: "diameter".to_owned() };
+    let unset = Edit::UnsetInput { node: id.clone(), input: "curl_size".to_owned() };
     hands.editor().apply(Event::Edit(unset));
     hands.steps(2);
     assert_eq!(hands.editor().state.offer.as_ref().unwrap().overrides.len(), told - 1);
