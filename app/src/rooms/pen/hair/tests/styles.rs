@@ -279,11 +279,6 @@ fn at(side: f32, up: f32, far: f32) -> Vec3 {
 
 /// A bob with a parting on its left, planted side by side from the nape up.
 fn bob() -> (Document, f64) {
-    bob_by_hand()
-        .document("Sketched bob", "Some thirty clusters drawn with the pen in a minute and a half.")
-}
-
-fn bob_by_hand() -> Hand {
     let mut hand = Hand::begin([66, 40, 28]);
     hand.set("hair_sketch", "radius", Value::Float(2.2));
     hand.set("strands_section", "flatness", Value::Float(0.55));
@@ -336,7 +331,7 @@ fn bob_by_hand() -> Hand {
         hand.through(&[way(24.0, 11.0), at(306.0 - turn, 2.0, 10.4)], 0.5, End::Tip);
         hand.through(&[way(-16.0, 11.0), at(306.0 - turn, -30.0, 11.0)], 0.5, End::Tip);
     }
-    hand
+    hand.document("Sketched bob", "Some thirty clusters drawn with the pen in a minute and a half.")
 }
 
 /// A pony tail: hair from all round the hairline to a tie at the back, pinned there, and the tail from it.
@@ -534,19 +529,6 @@ fn ten_strokes_are_a_full_bob_parted_in_the_middle_and_level_at_the_jaw() {
     let front = top.iter().zip(&tips).filter(|(points, _)| points[0].z > -3.0);
     let over = front.clone().filter(|(points, tip)| points[0].x * tip.x < 0.0).count();
     assert!(over * 200 < front.count(), "{over} lie on the other side");
-}
-
-#[test]
-fn drawn_clusters_leave_no_skin_bare_up_to_the_hairline() {
-    let mut hand = bob_by_hand();
-    hand.set("strands", "strands", Value::Int(100));
-    hand.rest();
-    let (all, scalp) = hair(&mut hand);
-    assert!(barest(&all, &scalp) < 0.8, "{} of {}", barest(&all, &scalp), all.len());
-    hand.set("strands", "fill", Value::Float(0.0));
-    hand.rest();
-    let (discs, _) = hair(&mut hand);
-    assert!(barest(&discs, &scalp) > 1.2, "{}", barest(&discs, &scalp));
 }
 
 #[test]
