@@ -86,7 +86,7 @@ impl Compare {
         });
         let heading = match self.is_before {
             true => "Changed since it was saved:".to_owned(),
-            false => format!("Otherwise in {}:", self.name),
+            false => format!("Different in {}:", self.name),
         };
         if !self.lines.is_empty() {
             ui.add(Label::new(RichText::new(heading).weak()).truncate());

@@ -14,11 +14,12 @@ use crate::widgets::text::{icon_button, set_name, spoken, text_field, zero_words
 use crate::widgets::theme;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::wiring::LooseWire;
-use coif_graphs::document::{NodeId, Socket};
+use coif_graphs::document::{Node, NodeId, Socket};
 use coif_nodes::data::field::Field;
 use coif_nodes::data::gestures::{Gestures, Tool};
 use coif_nodes::data::shapes::{ShapeList, Tier, TurnProfile};
 use coif_nodes::data::strokes::Strokes;
+use coif_nodes::declared::{GROUP_INPUT, PARAMETERS};
 use coif_nodes::define::{Arity, InputDef, Type, Unit, Value, choice_name};
 use egui::ecolor::{gamma_u8_from_linear_f32, linear_f32_from_gamma_u8};
 use egui::{Checkbox, ComboBox, Ui};
@@ -299,8 +300,11 @@ fn painted(target: &EditTarget, input: &InputDef) -> Vec<(Socket, String)> {
     let (document, Some(node)) = (&target.state.document, target.nodes.first()) else {
         return vec![];
     };
-    let beside = document.nodes.keys().filter(|id| id.group() == node.group());
-    let fields = beside.filter_map(|id| {
+    // What ports and parameters hand on is no mask of its own.
+    let hands_on = |node: &Node| matches!(node.kind.as_str(), GROUP_INPUT | PARAMETERS);
+    let beside =
+        document.nodes.iter().filter(|(id, it)| id.group() == node.group() && !hands_on(it));
+    let fields = beside.filter_map(|(id, _)| {
         let output = document.def(id)?.outputs.iter().find(|output| output.ty == Type::Field)?;
         Some(Socket::new(id.clone(), output.name))
     });

@@ -39,7 +39,10 @@ struct Hand {
 impl Hand {
     /// Opens the recipe for clusters on the bare head.
     fn begin(colour: [u8; 3]) -> Self {
-        Self::begin_with("recipe.sketch_hair", colour)
+        let mut hand = Self::begin_with("recipe.sketch_hair", colour);
+        // Discs alone: what fills the skin between them changes no stroke, and takes its time.
+        hand.set("strands", "fill", Value::Float(0.0));
+        hand
     }
 
     fn begin_with(recipe: &str, colour: [u8; 3]) -> Self {
