@@ -14,7 +14,7 @@ use coif_nodes::define::{Arity, NodeDef, Value, short};
 use coif_nodes::maths::hash::KeyBuilder;
 use std::borrow::{Borrow, Cow};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::sync::Arc;
 
 pub mod budget;
@@ -73,6 +73,28 @@ pub struct Document {
 fn numbered(id: &str) -> (&str, Option<u32>) {
     let parts = id.rsplit_once('_').and_then(|(stem, n)| Some((stem, n.parse().ok()?)));
     parts.map_or((id, None), |(stem, n)| (stem, Some(n)))
+}
+
+/// So many numbers are asked one after the other.
+const FEW: u32 = 8;
+
+/// A number from 2 on that is not taken: the first one, or where there are many, one behind a number that is taken.
+fn free_number(mut is_taken: impl FnMut(u32) -> bool) -> u32 {
+    if let Some(first) = (2..FEW).find(|n| !is_taken(*n)) {
+        return first;
+    }
+    let (mut taken, mut free) = (FEW - 1, FEW);
+    while is_taken(free) {
+        let Some(next) = free.checked_mul(2) else {
+            return (FEW..).find(|n| !is_taken(*n)).unwrap_or(FEW);
+        };
+        (taken, free) = (free, next);
+    }
+    while free - taken > 1 {
+        let middle = taken + (free - taken) / 2;
+        if is_taken(middle) { taken = middle } else { free = middle }
+    }
+    free
 }
 
 /// A place on the canvas: right, down. Compared by its bits, so that equality holds for every
@@ -463,8 +485,8 @@ impl Document {
         }
     }
 
-    /// An id that no node has yet, in no group, made of `stem`: itself, else with the first free number
-    /// behind it, in the place of a number that it has.
+    /// An id that no node has yet, in no group, made of `stem`: itself, else with a free number behind it,
+    /// in the place of a number that it has; the first one, but among many.
     pub fn free_id(&self, stem: &str) -> NodeId {
         self.free_id_in(None, stem)
     }
@@ -484,12 +506,16 @@ impl Document {
             None => word.to_owned(),
         };
         let mut id = path(&stem);
-        let (bare, _) = numbered(&stem);
-        for n in 2u32.. {
-            if !self.nodes.contains_key(id.as_str()) {
-                break;
-            }
-            id = path(&format!("{bare}_{n}"));
+        if self.nodes.contains_key(id.as_str()) {
+            id = path(numbered(&stem).0);
+            let bare = id.len();
+            let mut is_taken = |n: u32| {
+                id.truncate(bare);
+                let _ = write!(id, "_{n}");
+                self.nodes.contains_key(id.as_str())
+            };
+            let free = free_number(&mut is_taken);
+            is_taken(free);
         }
         NodeId(id.into())
     }
@@ -585,6 +611,25 @@ impl Document {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_free_number_is_the_first_or_follows_a_taken_one_and_takes_few_questions() {
+        let check = |taken: &dyn Fn(u32) -> bool, free: u32, most: usize| {
+            let mut asked = 0;
+            let mut is_taken = |n| {
+                asked += 1;
+                taken(n)
+            };
+            assert_eq!(free_number(&mut is_taken), free);
+            assert!(asked <= most, "{asked}");
+        };
+        check(&|_| false, 2, 1);
+        check(&|n| n != 5, 5, 4);
+        check(&|n| n < 7, 7, 6);
+        check(&|n| n <= 4000, 4001, 40);
+        // Numbers that somebody chose so that no larger one is free.
+        check(&|n| n < 10 || n.is_power_of_two(), 10, 50);
+    }
 
     #[test]
     fn ids_are_short_lower_case_words() {
