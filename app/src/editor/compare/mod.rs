@@ -89,7 +89,7 @@ impl Compare {
         Some(&self.other).filter(|other| other.shown.is_some())
     }
 
-    /// The state whose hair the viewport shows instead of one's own; none where that is not asked for, or not made yet.
+    /// The other state, if the viewport shows its hair instead of one's own; `None` while that is still being made.
     pub(crate) fn flipped(&self) -> Option<&State> {
         self.made().filter(|_| self.sides == Sides::Other)
     }

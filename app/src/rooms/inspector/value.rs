@@ -300,7 +300,7 @@ fn painted(target: &EditTarget, input: &InputDef) -> Vec<(Socket, String)> {
     let (document, Some(node)) = (&target.state.document, target.nodes.first()) else {
         return vec![];
     };
-    // What ports and parameters hand on is no mask of its own.
+    // Ports and parameters only pass fields on; they are not masks.
     let hands_on = |node: &Node| matches!(node.kind.as_str(), GROUP_INPUT | PARAMETERS);
     let beside =
         document.nodes.iter().filter(|(id, it)| id.group() == node.group() && !hands_on(it));

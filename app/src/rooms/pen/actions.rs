@@ -529,7 +529,7 @@ pub(super) fn step(
     out.push(Event::End);
 }
 
-/// Takes up a tool for the node that leaves out what is drawn, made where there is none.
+/// Takes up a tool for the node that leaves out areas, and adds that node first if needed.
 fn leave_out(
     pen: &mut Pen,
     tool: PenTool,

@@ -14,8 +14,8 @@ const MASK: &str = "mask";
 /// The setting of a region by which hair grows outside of its outlines.
 const OUTSIDE: (&str, &str) = ("side", "outside");
 
-/// The region that leaves out what is drawn into it, and the edits that make it where there is none. None without a head. `mirror`: what
-/// is drawn is left out on both sides.
+/// The region that leaves out what is drawn into it, and the edits that add it if it does not exist yet; `None` without a head. With
+/// `mirror`, both sides are left out.
 pub(super) fn region(document: &Document, mirror: bool) -> Option<(NodeId, Vec<Edit>)> {
     let head = target::head(document)?;
     let from = Socket::new(head.clone(), SCALP);

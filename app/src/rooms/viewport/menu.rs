@@ -31,7 +31,7 @@ const HAIR: &[&str] = &[
 /// Actions on a head.
 const HEAD: &[&str] = &["view.frame_head", "view.select_head", "view.head"];
 
-/// Actions that leave out what is no part of the mesh by itself.
+/// Actions that leave out an area that is not a separate part of the mesh.
 const AREAS: &[&str] = &["pen.leave_out", "pen.leave_out_painted"];
 
 /// Actions where nothing is.

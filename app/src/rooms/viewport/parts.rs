@@ -1,7 +1,7 @@
 //! The parts of a head's mesh, left out by pointing at them: they go into the same list of the head's node as the ticks of the panel of
 //! one's own head.
 //!
-//! What is left out is no skin any more, so it cannot be pointed at: the list of all parts brings it back.
+//! A part that is left out can no longer be pointed at; the list of all parts brings it back.
 
 use crate::core::event::Event;
 use crate::core::projection::Ray;
@@ -33,7 +33,7 @@ pub(super) struct PointedHead {
 }
 
 impl PointedHead {
-    /// The nearest head that a ray meets; none where it meets none.
+    /// The nearest head that the ray hits, if any.
     pub(super) fn new(state: &State, ray: &Ray) -> Option<Self> {
         let shown = state.shown.as_ref()?;
         let hit = |scalp: &Arc<Scalp>| {
