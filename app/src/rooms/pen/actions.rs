@@ -769,11 +769,15 @@ pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Ev
 fn landmarks_at_hand(state: &State) -> Option<Landmarks> {
     let head = graph::head_at_hand(&state.document)?;
     let output = Socket::new(head.clone(), "scalp");
-    let shown = state.shown.as_ref().and_then(|shown| match shown.values.get(&output) {
-        Some(Value::Scalp(scalp)) => Some(scalp),
-        _ => shown.scalp(),
+    // Of several heads the first may be another one; scalps of one head have the same landmarks.
+    let marks = state.shown.as_ref().and_then(|shown| match shown.values.get(&output) {
+        Some(Value::Scalp(scalp)) => Some(scalp.landmarks()),
+        _ => shown
+            .scalp()
+            .map(|scalp| scalp.landmarks())
+            .filter(|marks| shown.scalps.iter().all(|scalp| scalp.landmarks().same(marks))),
     });
-    given_between(&state.document, &head, shown.map(|scalp| scalp.landmarks()))
+    given_between(&state.document, &head, marks)
 }
 
 /// The kind of node that fills a head between strokes.
