@@ -5,7 +5,6 @@
 //! cannot read in full, is told and left out; it never hides the others. Folders are not searched within.
 
 pub(crate) mod bake;
-#[cfg(feature = "editor")]
 pub(crate) mod fitted;
 pub(crate) mod new;
 
@@ -13,6 +12,7 @@ use crate::places::Places;
 use coif_graphs::document::graph::{Severity, check};
 use coif_graphs::document::{Document, Origin};
 use coif_graphs::{file, grooms, template};
+use coif_nodes::data::landmarks::Landmarks;
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +30,22 @@ pub(crate) struct LibraryEntry {
     pub(crate) path: Option<PathBuf>,
     /// All of it.
     pub(crate) document: Document,
+}
+
+impl LibraryEntry {
+    /// The template drawn for a head with the landmarks `here`; as it is, where these are not known.
+    pub(crate) fn fitted(&self, here: Option<&Landmarks>) -> Document {
+        let template = self.document.clone();
+        match here {
+            Some(here) => fitted::fitted(template, here),
+            None => template,
+        }
+    }
+
+    /// Whether the template, as it was fitted, is another one inside.
+    pub(crate) fn is_changed_in(&self, fitted: &Document) -> bool {
+        template::group_of(fitted).is_ok_and(|group| template::hash(fitted, group) != self.hash)
+    }
 }
 
 /// The most files of a folder that are looked at.

@@ -9,15 +9,19 @@ use super::{Exit, complain, complain_of, ending, pack, print, print_plain, thumb
 use crate::files::{Role, Together};
 use crate::jobs::stop::Stop;
 use crate::jobs::thumbnail::{CAMERA, SIZE, of};
+use crate::library::fitted::{evaluated, given_between, say_home};
 use crate::library::new::{MadeOf, NewTemplate};
 use crate::library::{self, LibraryEntry};
 use crate::pack::is_pack;
 use crate::places::Places;
 use crate::words::plain_json;
 use clap::{Args, Subcommand};
+use coif_graphs::document::graph::head_at_hand;
 use coif_graphs::document::{Document, NodeId, Origin, groups};
 use coif_graphs::schedule::run::CancelToken;
+use coif_graphs::template::Placement;
 use coif_graphs::{compare, file, template, text};
+use coif_nodes::data::landmarks::Landmarks;
 use coif_nodes::define::short;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -355,8 +359,12 @@ fn new(args: &NewArgs) -> Exit {
             },
         };
         *document = made.of(document)?;
+        let folder = folder_of(&args.graph);
+        let whole = document.clone();
+        say_home(document, |head| {
+            landmarks(&whole, head, &folder, "the template does not say what head it was drawn on")
+        });
         if !args.no_thumbnail {
-            let folder = args.graph.parent().unwrap_or(Path::new("")).to_owned();
             let bar = Bar::new("nodes");
             let drawn = of(document, folder, SIZE, &args.camera, &bar, cancel, files);
             bar.clear();
@@ -389,12 +397,38 @@ fn add(graph: &Path, entry: &LibraryEntry, out: Option<&Path>) -> Exit {
         ));
     }
     let added = rewritten(graph, out, |document, _, _| {
-        let template::Added { edit, id, .. } =
-            template::add(document, &entry.document, template::Placement::default())?;
+        let here = head_at_hand(document).and_then(|head| {
+            given_between(document, &head, None).or_else(|| {
+                landmarks(document, &head, &folder_of(graph), "the template is not fitted to it")
+            })
+        });
+        let fitted = entry.fitted(here.as_ref());
+        let place = Placement { hash: Some(&entry.hash), ..Placement::default() };
+        let template::Added { edit, id, .. } = template::add(document, &fitted, place)?;
         edit.apply(document).map_err(|err| err.to_string())?;
+        if entry.is_changed_in(&fitted) {
+            complain(format_args!(
+                "note: {id} is fitted to this head and counts as changed inside: upgrade it with --force alone"
+            ));
+        }
         Ok(id)
     });
     ended(added, |id| print_plain(id.as_str()))
+}
+
+/// The landmarks of a head; where it cannot be evaluated, why, and what becomes of it.
+fn landmarks(
+    document: &Document,
+    head: &NodeId,
+    folder: &Path,
+    becomes: &str,
+) -> Option<Landmarks> {
+    let found = evaluated(document, head, folder);
+    found.map_err(|why| complain(format_args!("note: {why}: {becomes}"))).ok()
+}
+
+fn folder_of(graph: &Path) -> PathBuf {
+    graph.parent().unwrap_or(Path::new("")).to_owned()
 }
 
 fn install(args: &InstallArgs) -> Exit {

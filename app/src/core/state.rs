@@ -9,10 +9,13 @@ use crate::core::settings::Settings;
 use crate::core::shown::{RunStatus, Shown, Trace};
 use crate::core::templates::{Offer, ShelfRow};
 use crate::core::visibility::Visibility;
+use crate::library::fitted::given_between;
 use crate::words::counted;
+use coif_graphs::document::graph::head_at_hand;
 use coif_graphs::document::history::History;
 use coif_graphs::document::{Document, Node, NodeId, Socket};
-use coif_nodes::define::NodeError;
+use coif_nodes::data::landmarks::Landmarks;
+use coif_nodes::define::{NodeError, Value};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -163,6 +166,25 @@ impl State {
         let quality = self.shown.as_ref()?.quality;
         let (document, folder) = (self.document.clone(), self.file.folder.clone());
         Some(Trace { id, document, folder, quality, allow_large: self.allow_large })
+    }
+
+    /// The landmarks between which strokes on a head are given; none before it has been seen.
+    pub(crate) fn landmarks_of(&self, head: &NodeId) -> Option<Landmarks> {
+        let output = Socket::new(head.clone(), "scalp");
+        // Of several heads the first may be another one; scalps of one head have the same landmarks.
+        let marks = self.shown.as_ref().and_then(|shown| match shown.values.get(&output) {
+            Some(Value::Scalp(scalp)) => Some(scalp.landmarks()),
+            _ => shown
+                .scalp()
+                .map(|scalp| scalp.landmarks())
+                .filter(|marks| shown.scalps.iter().all(|scalp| scalp.landmarks().same(marks))),
+        });
+        given_between(&self.document, head, marks)
+    }
+
+    /// Those of the head at hand.
+    pub(crate) fn landmarks_at_hand(&self) -> Option<Landmarks> {
+        self.landmarks_of(&head_at_hand(&self.document)?)
     }
 
     /// The node that keys and the inspector mean: the active one, if it is still there.

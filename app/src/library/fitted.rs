@@ -1,7 +1,8 @@
 //! A template fitted to the head that it is put on: what is drawn in it lies between the same landmarks.
 //!
-//! Guarantees: on the built-in head, and where no map leads to a head, not a bit changes; what is drawn lies where `coif fit --bake` would
-//! bring it. Not promised: anything for a template that was made on another head than the built-in one, which is taken as it is.
+//! Guarantees: on a head with the same landmarks, and where no map leads to a head, not a bit changes; what is drawn lies where
+//! `coif fit --bake` would bring it. Not promised: anything for a template that does not say between which landmarks it was drawn, which
+//! is taken as it is.
 
 use super::bake::bake;
 use coif_graphs::document::graph::head_at_hand;
@@ -16,20 +17,49 @@ use coif_nodes::data::scalp::{HeadFrame, HeadSpace};
 use coif_nodes::define::Value;
 use coif_nodes::eval::Quality;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// The template, drawn for a head with the landmarks `here`.
 pub(crate) fn fitted(mut template: Document, here: &Landmarks) -> Document {
-    let Some(head) = head_at_hand(&template).filter(|head| is_built_in(&template, head)) else {
-        return template;
-    };
-    let (map, _) = Carry::between(built_in(), here);
+    let Some(head) = head_at_hand(&template) else { return template };
+    let Some(home) = given_between(&template, &head, None) else { return template };
+    let (map, _) = Carry::between(&home, here);
     if map.is_some() {
         // Directions are in the frame of a head on all of them.
         let space = HeadSpace::new(HeadFrame::IDENTITY, map);
         bake(&mut template, &head, &space, &mut vec![]);
     }
     template
+}
+
+/// Lets the head of a template say between which landmarks what is drawn on it is given, where it does not say so already. `own` knows
+/// the landmarks of a head as it was evaluated.
+pub(crate) fn say_home(template: &mut Document, own: impl FnOnce(&NodeId) -> Option<Landmarks>) {
+    let Some(head) = head_at_hand(template) else { return };
+    if is_built_in(template, &head) || given_between(template, &head, None).is_some() {
+        return;
+    }
+    let known = own(&head).filter(|marks| *marks != Landmarks::default());
+    if let (Some(marks), Some(node)) = (known, template.nodes.get_mut(&head)) {
+        let home = Setting::Known(Value::Text(marks.to_string().into()));
+        Arc::make_mut(node).inputs.insert("home".to_owned(), home);
+    }
+}
+
+/// The landmarks that what is drawn on a head is given between: those of its home, else its own, as `shown` or of the built-in head as it
+/// comes.
+pub(crate) fn given_between(
+    document: &Document,
+    head: &NodeId,
+    shown: Option<&Landmarks>,
+) -> Option<Landmarks> {
+    let node = document.node(head.as_str())?;
+    match node.inputs.get("home") {
+        Some(Setting::Known(Value::Text(home))) if !home.trim().is_empty() => {
+            Some(Landmarks::parse(home).0)
+        }
+        _ => shown.copied().or_else(|| is_built_in(document, head).then(|| *built_in())),
+    }
 }
 
 /// Whether a head node is the built-in head, as it comes.
@@ -46,34 +76,33 @@ fn built_in() -> &'static Landmarks {
     static KNOWN: OnceLock<Landmarks> = OnceLock::new();
     KNOWN.get_or_init(|| {
         let Ok(read) = file::read(BUILT_IN) else { return Landmarks::default() };
-        let document = read.document;
-        let Some(head) = head_at_hand(&document) else { return Landmarks::default() };
-        let wanted = [Socket::new(head, "scalp")];
-        let files = DiskFiles::new(Path::new(""));
-        let plan = plan(&document, &wanted, Quality::Final, &files).ok();
-        let evaluator = Evaluator::new(1, 0).ok();
-        let run = evaluator.zip(plan).map(|(evaluator, plan)| {
-            evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet).targets
-        });
-        match run.and_then(|mut targets| targets.pop().flatten()) {
-            Some(Value::Scalp(scalp)) => *scalp.landmarks(),
-            _ => Landmarks::default(),
-        }
+        let Some(head) = head_at_hand(&read.document) else { return Landmarks::default() };
+        evaluated(&read.document, &head, Path::new("")).unwrap_or_default()
     })
 }
 
-/// The landmarks that what is drawn on a head is given between: those of its home, or its own as `shown`.
-pub(crate) fn given_between(
+/// The landmarks of a head, evaluated alone; the document lies in `folder`.
+///
+/// # Errors
+/// Why the head cannot be evaluated.
+pub(crate) fn evaluated(
     document: &Document,
     head: &NodeId,
-    shown: Option<&Landmarks>,
-) -> Option<Landmarks> {
-    let node = document.node(head.as_str())?;
-    match node.inputs.get("home") {
-        Some(Setting::Known(Value::Text(home))) if !home.trim().is_empty() => {
-            Some(Landmarks::parse(home).0)
+    folder: &Path,
+) -> Result<Landmarks, String> {
+    let wanted = [Socket::new(head.clone(), "scalp")];
+    let plan = plan(document, &wanted, Quality::Final, &DiskFiles::new(folder))
+        .map_err(|err| err.to_string())?;
+    let evaluator = Evaluator::new(1, 0)?;
+    let mut run = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+    match run.targets.pop() {
+        Some(Some(Value::Scalp(scalp))) => Ok(*scalp.landmarks()),
+        _ => {
+            let failed = run.nodes.iter().filter_map(|node| Some((node, node.error.as_ref()?)));
+            let said: Vec<String> =
+                failed.map(|(node, err)| format!("{}: {err}", node.name)).collect();
+            Err(said.join("; "))
         }
-        _ => shown.copied(),
     }
 }
 
@@ -134,6 +163,35 @@ mod tests {
             // Not nought: the map lets foreheads and chins meet, too.
             assert!(sums[1] < 0.6 * sums[0], "{name}: {sums:?}");
         }
+    }
+
+    #[test]
+    fn what_was_drawn_on_another_head_says_between_which_landmarks_and_comes_to_lie_between_those_of_this_one()
+     {
+        use coif_nodes::data::landmarks::Landmark;
+        let [there, _] = OTHERS.map(|other| Landmarks::parse(other).0);
+        // As somebody with that head has it: drawn there, and saved.
+        let mut theirs = fitted(template("brows"), &there);
+        let head = head_at_hand(&theirs).expect("a head");
+        let node = Arc::make_mut(theirs.nodes.get_mut(&head).expect("a node"));
+        node.inputs.insert("mesh".into(), Setting::Known(Value::Text("scan.obj".into())));
+        let unsaid = theirs.clone();
+        say_home(&mut theirs, |_| Some(there));
+        assert_ne!(theirs, unsaid);
+        assert_eq!(fitted(theirs.clone(), &there), theirs, "on the same head not a bit changes");
+        assert_eq!(fitted(unsaid.clone(), built_in()), unsaid, "nothing is known of it");
+        let over = |template: &Document| {
+            middle(&drawn(template)).y - built_in().get(Landmark::Bridge).expect("a face").y
+        };
+        let here = fitted(theirs.clone(), built_in());
+        let [home, off] = [over(&template("brows")), over(&here)];
+        assert!((off - home).abs() < 0.05 && (over(&theirs) - home).abs() > 0.5, "{home} {off}");
+        // What says where it is from is not told anew, and the built-in head needs not be told.
+        let known = theirs.clone();
+        say_home(&mut theirs, |_| Some(*built_in()));
+        let mut plain = template("brows");
+        say_home(&mut plain, |_| panic!("nobody asks"));
+        assert!(theirs == known && plain == template("brows"));
     }
 
     #[test]

@@ -36,6 +36,8 @@ pub struct Placement<'a> {
     pub at: Option<Point>,
     /// A node that may stand for the one that the template has drawn into, where nothing takes from it yet.
     pub drawn: Option<&'a NodeId>,
+    /// The hash that the instance is marked with, where the template was changed before it is added; none: that of what it holds.
+    pub hash: Option<&'a str>,
 }
 
 /// Adds an instance of a template to a document. What its file has drawn for it comes along empty, to be drawn; the head at hand
@@ -47,7 +49,7 @@ pub struct Placement<'a> {
 pub fn add(document: &Document, template: &Document, place: Placement) -> Result<Added, String> {
     let group = group_of(template)?;
     let draws = drawn_for(template, group);
-    let mut part = as_added(template, group, place.within.is_some());
+    let mut part = as_added(template, group, place);
     let mut known = BTreeMap::new();
     if place.within.is_none() {
         for (id, node) in &template.nodes {
@@ -82,7 +84,8 @@ pub fn add(document: &Document, template: &Document, place: Placement) -> Result
 }
 
 /// What of a template's file is added: the group, marked as it is now; outside of all groups what feeds it and what it gives to, too.
-fn as_added(template: &Document, group: &NodeId, alone: bool) -> Document {
+fn as_added(template: &Document, group: &NodeId, place: Placement) -> Document {
+    let alone = place.within.is_some();
     let feeding = upstream(template, [group]);
     let gives = |id: &NodeId| {
         let from = |(to, wires): (&Socket, &Vec<Socket>)| {
@@ -112,7 +115,8 @@ fn as_added(template: &Document, group: &NodeId, alone: bool) -> Document {
     if let Some(node) = part.nodes.get_mut(group) {
         let node = Arc::make_mut(node);
         let origin = node.template.as_deref().cloned().unwrap_or_default();
-        node.template = Some(Origin { hash: hash(template, group), ..origin }.into());
+        let hash = place.hash.map_or_else(|| hash(template, group), str::to_owned);
+        node.template = Some(Origin { hash, ..origin }.into());
     }
     // Nobody's wires by chance: what is not added feeds nothing.
     let there = part.nodes.clone();

@@ -73,6 +73,41 @@ fn a_template_made_has_a_thumbnail_and_a_groom_that_takes_it_has_none() {
 }
 
 #[test]
+fn a_template_is_fitted_to_the_head_of_the_graph_that_it_is_added_to() {
+    let folder = Folder::new("template-fitted");
+    let low = "kind: \"head\", inputs: {\"landmarks\": \"bridge 0 -3.6 9.3\"}";
+    let groom = copied(&folder, "brows");
+    let text = std::fs::read_to_string(&groom).unwrap();
+    std::fs::write(&groom, text.replacen("kind: \"head\"", low, 1)).unwrap();
+    let made = folder.path("made.ron").display().to_string();
+    let ran = run([
+        "template",
+        "new",
+        &groom,
+        "brows",
+        "--out",
+        &made,
+        "--name",
+        "low",
+        "--no-thumbnail",
+    ]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    assert!(std::fs::read_to_string(&made).unwrap().contains("\"home\": \"front "));
+    let add = |name: &str, head: &str| {
+        let mine = folder.path(name).display().to_string();
+        std::fs::write(&mine, format!("(format: 3, nodes: {{\"head\": ({head})}})")).unwrap();
+        let ran = run(["template", "add", &mine, &made]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        let told = run(["template", "upgrade", &mine, "brows", "--to", &made, "--dry-run"]);
+        assert_eq!(told.code, 0, "{}", told.err);
+        (ran.err, told.out.contains("changes inside: lost"))
+    };
+    assert_eq!(add("same.ron", low), (String::new(), false));
+    let (said, changed) = add("other.ron", "kind: \"head\"");
+    assert!(said.contains("fitted to this head") && changed, "{said}");
+}
+
+#[test]
 fn a_thumbnail_that_is_none_is_refused_by_its_header_with_the_template() {
     let folder = Folder::new("template-bomb");
     let path = copied(&folder, "fringe");

@@ -70,8 +70,14 @@ impl Editor {
         let within = self.state.group.clone();
         let at = at.or_else(|| self.canvas.middle(&self.state.document));
         let drawn = self.state.active().cloned();
-        let place = Placement { within: within.as_ref(), at, drawn: drawn.as_ref() };
-        let added = match template::add(&self.state.document, &entry.document, place) {
+        let fitted = entry.fitted(self.state.landmarks_at_hand().as_ref());
+        let place = Placement {
+            within: within.as_ref(),
+            at,
+            drawn: drawn.as_ref(),
+            hash: Some(&entry.hash),
+        };
+        let added = match template::add(&self.state.document, &fitted, place) {
             Ok(added) => added,
             Err(why) => {
                 let note = Note::warning(format!("{}: {why}", entry.title));
@@ -82,7 +88,11 @@ impl Editor {
         self.apply(Event::Begin(format!("template: {}", entry.title.to_lowercase())));
         self.apply(Event::Edit(edit));
         self.apply(Event::End);
-        self.apply(Event::Select(Select::Nodes(vec![id])));
+        self.apply(Event::Select(Select::Nodes(vec![id.clone()])));
+        if entry.is_changed_in(&fitted) {
+            let text = "Fitted to this head. It counts as changed inside: to upgrade it later, choose Upgrade all the same";
+            self.apply(Event::Say(Note::done(text).of(id)));
+        }
         // What it has drawn for it waits for the pen.
         if let Some(draws) = draws {
             self.apply(Event::TakeUpPen(draws));

@@ -9,6 +9,7 @@ use crate::core::state::State;
 use crate::core::templates::ShelfRow;
 use crate::editor::Editor;
 use crate::files::{Role, Together};
+use crate::library::fitted::say_home;
 use crate::library::new::{MadeOf, NewTemplate, bad_word, file_name, is_another};
 use crate::rooms::templates::at_work::Written;
 use crate::widgets::text::{set_name, spoken};
@@ -110,7 +111,7 @@ impl SaveTemplate {
     /// The template and its file; `shelf` is what the library has.
     fn made(
         &self,
-        document: &Document,
+        state: &State,
         folder: &Path,
         shelf: &[ShelfRow],
     ) -> Result<(Document, PathBuf), String> {
@@ -139,7 +140,8 @@ impl SaveTemplate {
                 "{name} {version} is a template already ({place}): give this one another name or version"
             ));
         }
-        let made = wanted.of(document)?;
+        let mut made = wanted.of(&state.document)?;
+        say_home(&mut made, |head| state.landmarks_of(head));
         let group = template::group_of(&made)?;
         match is_another(&target, &template::hash(&made, group)) {
             Some(why) => Err(format!("{why}: give it another name or version")),
@@ -235,7 +237,7 @@ impl Editor {
             let folder = folders.get(asked.folder).map(|(_, folder)| folder.clone());
             let made = folder.ok_or_else(|| "no folder for templates is known".to_owned());
             let shelf = self.templates.shelf.rows();
-            match made.and_then(|folder| asked.made(&self.state.document, &folder, &shelf)) {
+            match made.and_then(|folder| asked.made(&self.state, &folder, &shelf)) {
                 Ok((made, target)) => {
                     self.write_template(made, target, asked.draws);
                     return;

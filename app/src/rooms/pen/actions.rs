@@ -8,13 +8,11 @@ use crate::core::notes::Note;
 use crate::core::room::Room;
 use crate::core::settings::Settings;
 use crate::core::state::{Select, State};
-use crate::library::fitted::given_between;
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::strokes::cvs;
 use coif_graphs::document::strokes::whole::{self, End};
-use coif_graphs::document::{NodeId, Setting, Socket, graph, wiring};
+use coif_graphs::document::{NodeId, Setting, wiring};
 use coif_nodes::data::gestures::Tool;
-use coif_nodes::data::landmarks::Landmarks;
 use coif_nodes::data::strokes::{Mode, Stroke};
 use coif_nodes::define::Value;
 use std::collections::BTreeSet;
@@ -737,16 +735,22 @@ fn ask(pen: &mut Pen, state: &State, recipe: usize, out: &mut Vec<Event>) {
             pen.asked = Some(recipe);
             out.push(Event::Show(Room::Viewport));
         }
-        false => cook(state, recipe, false, out),
+        false => cook(pen, state, recipe, false, out),
     }
 }
 
-/// Makes a recipe, instead of the hair that is there or as well, and takes up the pen, where there is something to draw. Its inputs are
-/// selected: what a groomer turns first is what the inspector shows.
-pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Event>) {
+/// Makes a recipe, instead of the hair that is there or as well, and takes up the pen, where there is something to draw, or else lays it
+/// down. Its inputs are selected: what a groomer turns first is what the inspector shows.
+pub(super) fn cook(
+    pen: &mut Pen,
+    state: &State,
+    recipe: usize,
+    instead: bool,
+    out: &mut Vec<Event>,
+) {
     let Some(recipe) = recipes::ALL.get(recipe) else { return };
     let mirror = state.settings.pen.symmetry;
-    let here = landmarks_at_hand(state);
+    let here = state.landmarks_at_hand();
     let made = match instead {
         true => recipe.instead(&state.document, mirror, here.as_ref()),
         false => recipe.edits(&state.document, state.active(), mirror, here.as_ref()),
@@ -762,22 +766,10 @@ pub(super) fn cook(state: &State, recipe: usize, instead: bool, out: &mut Vec<Ev
     out.push(Event::End);
     out.push(Event::Select(Select::Nodes(vec![made.inputs])));
     out.push(Event::Show(Room::Viewport));
-    out.extend(made.drawn.map(Event::TakeUpPen));
-}
-
-/// The landmarks between which strokes on the head at hand are given; none before it has been seen.
-fn landmarks_at_hand(state: &State) -> Option<Landmarks> {
-    let head = graph::head_at_hand(&state.document)?;
-    let output = Socket::new(head.clone(), "scalp");
-    // Of several heads the first may be another one; scalps of one head have the same landmarks.
-    let marks = state.shown.as_ref().and_then(|shown| match shown.values.get(&output) {
-        Some(Value::Scalp(scalp)) => Some(scalp.landmarks()),
-        _ => shown
-            .scalp()
-            .map(|scalp| scalp.landmarks())
-            .filter(|marks| shown.scalps.iter().all(|scalp| scalp.landmarks().same(marks))),
-    });
-    given_between(&state.document, &head, marks)
+    match made.drawn {
+        Some(drawn) => out.push(Event::TakeUpPen(drawn)),
+        None => pen.tool = PenTool::Select,
+    }
 }
 
 /// The kind of node that fills a head between strokes.

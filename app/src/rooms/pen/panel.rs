@@ -259,7 +259,7 @@ impl Pen {
         ];
         let answered = panel::question(recipe.label, "recipe over hair", text, &answers, ctx);
         if let Some(Some(answer)) = answered {
-            super::actions::cook(state, at, answer == 0, out);
+            super::actions::cook(self, state, at, answer == 0, out);
         }
         if answered.is_some() {
             self.asked = None;

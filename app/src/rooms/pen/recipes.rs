@@ -9,7 +9,6 @@ use crate::core::faces::Faces;
 use crate::core::faces::arrange::{GAP, free_place, point};
 use crate::core::shown::Reports;
 use crate::library;
-use crate::library::fitted::fitted;
 use coif_graphs::document::edit::{Edit, between};
 use coif_graphs::document::{
     Document, Node, NodeId, Point, Setting, Socket, graph, groups, wiring,
@@ -231,11 +230,7 @@ impl Recipe {
     ) -> Result<RecipeEdits, String> {
         let found = grooms::TEMPLATES.iter().find(|(name, _)| *name == self.template);
         let (_, text) = found.ok_or("it does not come with this version")?;
-        let template = library::shipped(text)?.document;
-        let template = match here {
-            Some(here) => fitted(template, here),
-            None => template,
-        };
+        let template = library::shipped(text)?.fitted(here);
         let drawn = strokes.filter(|_| self.draws == Draws::Rows);
         // Where it stands in its own file, until all of it is moved.
         let at = template::group_of(&template)?;
@@ -363,6 +358,7 @@ mod tests {
     use super::*;
     use crate::core::event::Event;
     use crate::core::state::Select;
+    use crate::rooms::pen::PenTool;
     use crate::rooms::pen::tests::{Table, draw_on, head, row};
     use egui::Pos2;
 
@@ -413,7 +409,8 @@ mod tests {
         let mut table = table_with(&ALL[14]);
         for recipe in &ALL[15..] {
             table.editor().act(recipe.action);
-            assert!(table.editor().pen.asked.is_none(), "{}", recipe.label);
+            let pen = &table.editor().pen;
+            assert!(pen.asked.is_none() && pen.tool == PenTool::Select, "{}", recipe.label);
         }
         let state = &table.editor().state;
         let of = |kind: &str| state.document.nodes.iter().filter(|(_, n)| n.kind == kind).count();

@@ -430,6 +430,96 @@ fn a_groom_is_saved_as_a_template_in_the_window_and_stands_on_the_shelf_at_once(
     assert_eq!(library::read(&path).unwrap().hash, entry.hash);
 }
 
+/// Brows on a head whose face lies lower, with that head alone in sight.
+fn low_brows() -> Document {
+    let text =
+        grooms::TEMPLATES.iter().find(|(name, _)| *name == "brows").expect("it is shipped").1;
+    let mut document = library::shipped(text).expect("a template").document;
+    let head = document.nodes.keys().find(|id| id.as_str() == "head").expect("a head").clone();
+    let low = "bridge 0 -3.6 9.3; nose 0 -6.6 11; mouth 0 -9.2 9.6";
+    let mut set = |id: &str, edit: &dyn Fn(&mut coif_graphs::document::Node)| {
+        edit(std::sync::Arc::make_mut(document.nodes.get_mut(id).expect("a node")));
+    };
+    set("head", &|node| {
+        drop(node.inputs.insert("landmarks".into(), Setting::Known(Value::Text(low.into()))))
+    });
+    set("brows", &|node| node.label = Some("Low brows".to_owned()));
+    document.display = Some(head);
+    document
+}
+
+/// Until the head is seen.
+fn seen(hands: &mut Hands) {
+    until("the head is seen", || {
+        hands.steps(1);
+        !hands.editor().state.stale()
+    });
+}
+
+#[test]
+fn a_template_of_another_head_is_fitted_to_the_one_at_hand_and_that_is_said() {
+    let folder = Folder::new("templates-fitted");
+    let shelf = || vec![("a show".to_owned(), folder.root().to_owned())];
+    let hands = &mut Hands::with_templates(low_brows(), shelf());
+    seen(hands);
+    let id = hands.editor().state.document.nodes.keys().find(|id| id.as_str() == "brows").cloned();
+    hands.editor().apply(Event::Select(Select::Nodes(id.into_iter().collect())));
+    hands.editor().act("template.save");
+    hands.steps(3);
+    hands.click_on("Render a thumbnail");
+    hands.0.get_by_label("Save").click();
+    let path = folder.path("low_brows-1.0.ron");
+    until("it is written and listed", || {
+        hands.steps(2);
+        let rows = hands.editor().templates.shelf.rows();
+        rows.iter().any(|row| row.key() == path.display().to_string())
+    });
+    let entry = library::read(&path).expect("a template");
+    let home = |document: &Document| document.nodes["head"].inputs.contains_key("home");
+    assert!(home(&entry.document) && !home(&hands.editor().state.document));
+    // On the head that it was drawn on it is as it was saved; on the built-in one it lies higher.
+    let height = |document: &Document, id: &coif_graphs::document::NodeId| {
+        let values = document.inside(id).flat_map(|(_, node)| node.inputs.values());
+        let strokes = values.filter_map(|setting| match setting {
+            Setting::Known(Value::Strokes(strokes)) => Some(strokes.0.iter()),
+            _ => None,
+        });
+        let all: Vec<f32> =
+            strokes.flatten().flat_map(|s| &s.samples).map(|s| s.position.y).collect();
+        all.iter().sum::<f32>() / all.len() as f32
+    };
+    let group = template::group_of(&entry.document).expect("a group").clone();
+    let drawn = height(&entry.document, &group);
+    let mut bare = low_brows();
+    bare.nodes.retain(|id, _| id.as_str() == "head");
+    bare.links.clear();
+    let mut built_in = bare.clone();
+    let head = built_in.nodes.values_mut().next().expect("a head");
+    std::sync::Arc::make_mut(head).inputs.clear();
+    for (document, is_same) in [(bare, true), (built_in, false)] {
+        let hands = &mut Hands::with_templates(document, shelf());
+        seen(hands);
+        hands.types("low brows");
+        hands.key(Key::Enter);
+        until("it is added", || {
+            hands.steps(1);
+            hands.added().is_some()
+        });
+        let state = &hands.editor().state;
+        let (id, origin) = template::instances(&state.document).next().expect("an instance");
+        assert_eq!(
+            (template::is_as_made(&state.document, id, origin), &origin.hash),
+            (is_same, &entry.hash)
+        );
+        let up = height(&state.document, id) - drawn;
+        assert_eq!(up == 0.0, is_same, "{up}");
+        assert!(is_same || up > 0.3, "{up}");
+        let said =
+            state.notes.all().iter().any(|note| note.text.starts_with("Fitted to this head"));
+        assert_eq!(said, !is_same);
+    }
+}
+
 #[test]
 fn what_others_put_into_a_folder_is_listed_while_the_room_is_open() {
     let folder = Folder::new("templates-new");
