@@ -110,7 +110,8 @@ impl Tool {
     }
     /// Whether its size, if it has one, is how far around what it acts on curves follow, the less the farther they are.
     pub fn is_soft(self) -> bool {
-        matches!(self, Self::Point | Self::Lengthen | Self::Twist | Self::Frizz | Self::Density)
+        use Tool::{Cut, Density, Frizz, Lengthen, Point, Redraw, Twist};
+        matches!(self, Point | Lengthen | Redraw | Cut | Twist | Frizz | Density)
     }
 }
 

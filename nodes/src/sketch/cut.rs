@@ -3,7 +3,7 @@
 //! The stroke must enter a cluster on one side and leave it on the other. Depending on the layer, it cuts the nearest
 //! curve, all curves down to the head, or removes whole curves rooted where it crosses the head. Beyond the paper: the
 //! curve stores the plane of the stroke, and Cluster to strands ends each strand in it, so that an angled cut stays
-//! angled.
+//! angled. With a size, curves around that reach beyond the line of the stroke lose a share of what lies beyond it.
 
 use super::hand::{GestureContext, SketchState, off_line};
 use super::lock::{Lock, way};
@@ -13,6 +13,8 @@ use glam::{Vec2, Vec3};
 
 /// A cut is angled if the cosine between the hair and the cut's normal exceeds this: 75 degrees.
 const BIAS: f32 = 0.26;
+/// How far the line of a stroke leads on to each side, in its lengths.
+const BEYOND: f32 = 100.0;
 /// A curve that a cut would make shorter than this (cm) is removed whole.
 const SHORTEST: f32 = 0.1;
 
@@ -23,17 +25,30 @@ pub(super) fn cut(hand: &GestureContext, sketch: &mut SketchState) {
         Layer::Scalp => "it crosses no roots on the head",
         _ => "it crosses no curve from side to side: begin and end beside the hair",
     };
-    let taken = hand.takes(sketch, |hand, sketch| crossed(hand, sketch, stroke), nothing);
+    let under = |hand: &GestureContext, sketch: &SketchState| crossed(hand, sketch, stroke);
     if hand.gesture.layer == Layer::Scalp {
+        let taken = hand.takes(sketch, under, nothing);
         let mut gone = vec![false; sketch.locks.len()];
         taken.into_iter().for_each(|i| gone[i] = true);
         let mut gone = gone.into_iter();
         sketch.locks.retain(|_| !gone.next().unwrap_or(false));
         return;
     }
+    // Curves around may end beside the stroke: they meet its line.
+    let far = (stroke[1] - stroke[0]) * BEYOND;
+    let on = [stroke[0] - far, stroke[1] + far];
+    let meets = |lock: &Lock| {
+        let (k, t) = crossing(hand, lock, on)?;
+        Some(lock.points[k].lerp(lock.points[k + 1], t))
+    };
+    let taken = hand.takes_around(sketch, under, nothing, meets);
     let mut gone = vec![false; sketch.locks.len()];
-    for i in taken {
-        let Some((k, t)) = crossing(hand, &sketch.locks[i], stroke) else { continue };
+    for (i, share) in taken {
+        let line = if share < 1.0 { on } else { stroke };
+        let crossing = crossing(hand, &sketch.locks[i], line);
+        let Some((k, t)) = crossing.and_then(|at| part_of(&sketch.locks[i], at, share)) else {
+            continue;
+        };
         let mut lock = (*sketch.locks[i]).clone();
         match shorter(hand, &mut lock, k, t) {
             true => {
@@ -102,6 +117,26 @@ fn crossing(hand: &GestureContext, lock: &Lock, [a, b]: [Vec2; 2]) -> Option<(us
         let t = if hand.seen.is_parallel() { t } else { t * near / (far + (near - far) * t) };
         Some((k, t))
     })
+}
+
+/// Where a curve ends that loses only a share of what lies beyond a place on it.
+fn part_of(lock: &Lock, (k, t): (usize, f32), share: f32) -> Option<(usize, f32)> {
+    if share >= 1.0 {
+        return Some((k, t));
+    }
+    let rest = std::iter::once(lock.points[k].lerp(lock.points[k + 1], t));
+    let rest: Vec<Vec3> = rest.chain(lock.points[k + 1..].iter().copied()).collect();
+    let lengths = rest.windows(2).map(|pair| pair[0].distance(pair[1]));
+    let mut left = (1.0 - share) * lengths.clone().sum::<f32>();
+    for (n, length) in lengths.enumerate() {
+        if left < length {
+            // Of the first piece, a part lies before the place.
+            let from = if n == 0 { t } else { 0.0 };
+            return Some((k + n, from + (1.0 - from) * left / length));
+        }
+        left -= length;
+    }
+    None
 }
 
 /// Ends a curve in its segment `k`, at the fraction `t`, keeping the spacing of its CVs. False if nothing is left.

@@ -156,7 +156,7 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
         }
         tool => {
             out.curves = was.keys().filter(|id| !same(id)).copied().collect();
-            // The curve that the pen drew; what followed it grew less.
+            // The curve that the pen drew; what followed it grew less, and lies farther from where the stroke began.
             let grown = |id: &&u64| {
                 let all = [Some(&was[*id]), is.get(*id)]
                     .map(|of| of.map_or(0.0, |(_, all)| grow::length(all)));
@@ -165,6 +165,10 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
             let drawn = match tool {
                 Tool::Lengthen => {
                     out.curves.iter().rev().max_by(|a, b| grown(a).total_cmp(&grown(b)))
+                }
+                Tool::Redraw => {
+                    let off = |id: &u64| redraw::off_start(gesture, scalp, &was[id].1);
+                    out.curves.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
                 }
                 _ => out.curves.first(),
             };

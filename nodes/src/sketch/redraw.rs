@@ -1,4 +1,5 @@
-//! Re-draw: from where the stroke begins on a curve, the curve follows the stroke to its end; beyond the paper.
+//! Re-draw: from where the stroke begins on a curve, the curve follows the stroke to its end; beyond the paper. With a size, curves
+//! around go a share of the way to the same path, from where they pass the beginning, and keep their CVs.
 //!
 //! It takes the depth of the curves around it, and keeps its place in the picture, as an implant would. Guarantees: everything before that point stays, and
 //! so do pins: a curve is redrawn only beyond its last one. Its values (radius, twist and all other attributes) keep
@@ -13,6 +14,7 @@ use super::seen::Seen;
 use crate::data::gestures::{Gesture, RootFrame};
 use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{Scalp, Skin};
+use crate::maths::polyline::Polyline;
 use glam::{Vec2, Vec3};
 
 /// A position closer to a CV than this fraction of a segment is that CV.
@@ -32,13 +34,26 @@ pub(super) fn redraw(hand: &GestureContext, sketch: &mut SketchState) {
         let all = curves.filter_map(seen);
         all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i).into_iter().collect()
     };
-    let taken = hand.takes(sketch, nearest, "no curve is here: begin on the one to draw anew");
-    for i in taken {
+    let nothing = "no curve is here: begin on the one to draw anew";
+    let begins = |lock: &Lock| {
+        let (place, _) = place(&hand.seen, &lock.points, hand.start())?;
+        Some(at(&lock.points, place))
+    };
+    let taken = hand.takes_around(sketch, nearest, nothing, begins);
+    // What is drawn, from where the one that is taken begins.
+    let mut path = hand.gesture.path.clone();
+    for (i, share) in taken {
         let mut lock = (*sketch.locks[i]).clone();
         let Some(begin) = begin(&hand.seen, &lock.points, hand.start(), &hand.skin) else {
             continue;
         };
         let held = lock.held();
+        if share < 1.0 {
+            if begin.place >= held as f32 && goes_along(hand, &mut lock, &begin, &path, share) {
+                sketch.locks[i] = lock.done();
+            }
+            continue;
+        }
         if begin.place < held as f32 {
             sketch.say("a pin holds the curve here: begin behind its last pin");
             continue;
@@ -51,10 +66,46 @@ pub(super) fn redraw(hand: &GestureContext, sketch: &mut SketchState) {
                 false => begin.place + (last as f32 - begin.place) * (k - first) as f32 / more,
             };
             let places: Vec<f32> = (0..points.len()).map(along).collect();
+            if path.is_empty()
+                && let Some(own) = begin.frame(hand.scalp)
+            {
+                path = points[first + 1..].iter().map(|p| own.local(*p)).collect();
+            }
             lock.set_points(points, &places);
             sketch.locks[i] = lock.done();
         }
     }
+}
+
+/// Leads a curve a share of the way to a path from where it begins. False where there is no path, or nothing to lead.
+fn goes_along(
+    hand: &GestureContext,
+    lock: &mut Lock,
+    begin: &Begin,
+    path: &[Vec3],
+    share: f32,
+) -> bool {
+    let first = begin.place as usize;
+    let (Some(own), last) = (begin.frame(hand.scalp), lock.points.len() - 1) else { return false };
+    if path.is_empty() || first >= last {
+        return false;
+    }
+    let from = begin.kept[begin.kept.len() - 1];
+    let drawn = std::iter::once(from).chain(path.iter().map(|p| own.world(*p)));
+    let drawn = Polyline::new(drawn.collect());
+    let rest: Vec<Vec3> =
+        std::iter::once(from).chain(lock.points[first + 1..].iter().copied()).collect();
+    let whole = length(&rest).max(1e-6);
+    let mut points = lock.points.clone();
+    let mut far = 0.0;
+    for (k, pair) in (first + 1..).zip(rest.windows(2)) {
+        far += pair[0].distance(pair[1]);
+        points[k] = pair[1].lerp(drawn.at(far / whole * drawn.length()), share);
+    }
+    clear(hand, &mut points, first);
+    let places: Vec<f32> = (0..points.len()).map(|k| k as f32).collect();
+    lock.set_points(points, &places);
+    true
 }
 
 const SHORT: &str = "it has no length: draw on from the curve";
@@ -150,6 +201,12 @@ fn place(seen: &Seen, points: &[Vec3], to: Vec2) -> Option<(f32, f32)> {
 fn at(points: &[Vec3], place: f32) -> Vec3 {
     let k = (place as usize).min(points.len() - 2);
     points[k].lerp(points[k + 1], place - k as f32)
+}
+
+/// How far from where a stroke begins a curve is drawn, pixels.
+pub(super) fn off_start(gesture: &Gesture, scalp: &Scalp, points: &[Vec3]) -> f32 {
+    let seen = Seen::new(&gesture.view, scalp.frame());
+    place(&seen, points, gesture.samples[0].at).map_or(f32::MAX, |(_, off)| off)
 }
 
 /// What a redrawn curve stores of the stroke: its new CVs, in the frame of the point where it begins.

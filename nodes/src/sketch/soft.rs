@@ -98,6 +98,7 @@ mod tests {
             let tuft = &curves.tufts()[i];
             match tool {
                 Tool::Lengthen => length(tuft.points()),
+                Tool::Cut => -length(tuft.points()),
                 Tool::Twist => tuft.view(ROLL).at(0, tuft.points().len() - 1),
                 Tool::Frizz => tuft.view(FRIZZ).at(0, 0),
                 _ => tuft.view(DENSITY).at(0, 0),
@@ -107,8 +108,10 @@ mod tests {
             let pairs = was.tufts()[i].points().iter().zip(is.tufts()[i].points());
             pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
         };
+        let tip = |curves: &Curves, i: usize| *curves.tufts()[i].points().last().unwrap();
         let change = |i| match tool {
             Tool::Point => moved(i),
+            Tool::Redraw => tip(was, i).distance(tip(is, i)),
             _ => number(is, i) - number(was, i),
         };
         (0..was.tufts().len()).map(change).collect()
@@ -130,12 +133,15 @@ mod tests {
             let swing = ((k % 16) as f32 / 8.0 - 1.0).abs() * 80.0 - 40.0;
             Vec2::new(-0.9 * swing, 0.5 * k as f32)
         });
-        let strokes: [(Tool, Vec<Vec2>); 5] = [
+        let (low, high) = (at(3), at(2));
+        let strokes: [(Tool, Vec<Vec2>); 7] = [
             (Tool::Point, line(at(4).into(), [at(4).x - 40.0, at(4).y])),
             (Tool::Lengthen, line(tip.into(), [tip.x - 10.0, tip.y + 120.0])),
             (Tool::Twist, twirl.collect()),
             (Tool::Frizz, saw.collect()),
             (Tool::Density, circle([0.0, 20.0], 30.0, 4.0)),
+            (Tool::Cut, line([low.x - 80.0, low.y], [low.x + 45.0, low.y])),
+            (Tool::Redraw, line(high.into(), [high.x - 120.0, high.y + 160.0])),
         ];
         for (tool, stroke) in strokes {
             let alone = Gesture { id: 50, ..drawn(tool, Layer::Nearest, &stroke) };
