@@ -92,6 +92,11 @@ impl Salon {
         let history = &self.0.editor().state.history;
         history.steps().nth(history.done() - 1).expect("a step").words.clone()
     }
+    /// What the status line says.
+    fn said(&mut self) -> Option<String> {
+        self.0.step();
+        self.0.editor().state.notes.all().last().map(|note| note.text.clone())
+    }
     fn tools(&mut self) -> Vec<Tool> {
         self.gestures().0.iter().map(|gesture| gesture.tool).collect()
     }
@@ -333,8 +338,11 @@ fn a_mouse_reaches_all_three_levels_by_what_it_touches_and_by_keys() {
     mouse(&mut salon, &lock());
     let tip = salon.place(0, 99);
     mouse(&mut salon, &Salon::line([tip.x, tip.y], [tip.x, tip.y + 60.0]));
+    assert_eq!(salon.said(), None);
     let middle = salon.place(0, 4);
     mouse(&mut salon, &Salon::line([middle.x, middle.y], [middle.x + 60.0, middle.y]));
+    let said = "combed a cluster; to implant there, choose Implant";
+    assert_eq!(salon.said().as_deref(), Some(said));
     salon.0.editor().act("hair.level_3");
     let middle = salon.place(0, 2);
     mouse(
@@ -381,6 +389,17 @@ fn with_the_pin_tool_a_tap_pins_one_cv_and_a_stroke_all_under_the_brush() {
     assert_eq!(told(&all[1]), (Tool::Pin, Layer::Nearest, false));
     assert_eq!(told(&all[2]), (Tool::Pin, Layer::Through, true));
     assert!(count(&mut salon) > 1);
+}
+
+#[test]
+fn an_implant_that_takes_the_place_of_another_says_so() {
+    let mut salon = Salon::open(head(), "hair.implant");
+    salon.draw(&lock(), HEAVY);
+    assert_eq!(salon.said(), None);
+    salon.draw(&Salon::line([302.0, 132.0], [250.0, 400.0]), HEAVY);
+    assert_eq!(salon.curves().curve_count(), 1);
+    let said = "implanted a cluster; 1 cluster rooted there gave way: to keep both, undo and begin farther off";
+    assert_eq!(salon.said().as_deref(), Some(said));
 }
 
 #[test]

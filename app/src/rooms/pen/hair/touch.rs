@@ -9,7 +9,10 @@ use super::super::sample::{PenSample as Report, Phase, Tool as End};
 use super::super::target::{gestures, number};
 use super::super::touch::{DrawnItem, Outcome, TouchStep, Wanted, Work};
 use super::{free, is_mouse, look, target};
+use crate::core::event::Event;
+use crate::core::notes::Note;
 use crate::core::state::State;
+use crate::words::counted;
 use coif_graphs::document::NodeId;
 use coif_graphs::document::gestures::finish;
 use coif_graphs::values::grid::gestures_on_grid;
@@ -106,6 +109,8 @@ pub(super) struct HairTouch {
     pub(super) lifted: bool,
     /// How many curves were changed on the first side, where it is the twin on the other.
     first: Option<usize>,
+    /// How many gave way to what was planted.
+    replaced: usize,
 }
 
 impl HairTouch {
@@ -117,8 +122,8 @@ impl HairTouch {
         came_in: Option<Key>,
     ) -> Self {
         let (guess, id, told) = (Guess::Unsure(""), 0, None);
-        let (lifted, first) = (false, None);
-        Self { hand, line, tap, guess, before, free, came_in, id, told, lifted, first }
+        let (lifted, first, replaced) = (false, None, 0);
+        Self { hand, line, tap, guess, before, free, came_in, id, told, lifted, first, replaced }
     }
 
     /// How deep it reaches.
@@ -253,9 +258,13 @@ impl HairTouch {
             (Err(_), Some(first)) => {
                 step.tell(vec![(told.id, None)], scene);
                 step.words = done(told.tool, first, settings.strands);
+                self.say_what_else(told.tool, &step.words, scene);
                 Outcome::Done
             }
             (Ok((known, changed)), first) => {
+                if matches!(told.tool, Tool::Implant | Tool::Silhouette) {
+                    self.replaced += known.curves.len();
+                }
                 let middle = known.root.is_some_and(|root| root.x.abs() < MIDDLE);
                 let others = gestures(&scene.state.document, &step.node);
                 let both = settings.symmetry && first.is_none() && !middle;
@@ -271,9 +280,24 @@ impl HairTouch {
                 }
                 let all = first.unwrap_or_default() + changed;
                 step.words = done(told.tool, all, settings.strands);
+                self.say_what_else(told.tool, &step.words, scene);
                 Outcome::Done
             }
         }
+    }
+
+    /// Says in the status line what may not have been meant: a mouse that combs where it began on hair, and what gave way to an implant.
+    fn say_what_else(&self, tool: Tool, words: &str, scene: &mut Scene) {
+        let guessed = self.hand.tool.is_none() && is_mouse(self.hand.end);
+        let more = match (tool, self.replaced) {
+            (Tool::Comb, _) if guessed => "to implant there, choose Implant".to_owned(),
+            (_, 0) => return,
+            (_, replaced) => format!(
+                "{} rooted there gave way: to keep both, undo and begin farther off",
+                counted(replaced, "cluster")
+            ),
+        };
+        scene.out.push(Event::Say(Note::done(format!("{words}; {more}"))));
     }
 
     /// The node's curves of now, where what came in to it is as it was.
