@@ -42,6 +42,14 @@ impl Entry {
         Self { id, label, tip, words, menu, by: by(action) }
     }
 
+    /// The menu within its menu that it stands in.
+    pub fn group(&self) -> Option<&'static str> {
+        let is_in = |(menu, _, ids): &&(&str, &str, &[&str])| {
+            *menu == self.menu && ids.iter().any(|id| self.id.starts_with(id))
+        };
+        GROUPS.iter().find(is_in).map(|(_, group, _)| *group)
+    }
+
     /// Whether it can be done now.
     ///
     /// # Errors
@@ -79,6 +87,31 @@ pub(super) fn always(_: &Editor) -> Can {
 
 /// Menus from left to right.
 pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "Help"];
+
+/// Entries that stand in a menu within their menu: that menu, what it is called, and how the ids of its entries begin.
+const GROUPS: &[(&str, &str, &[&str])] = &[
+    ("Node", "Line up", &["canvas.align_", "canvas.distribute"]),
+    ("View", "Look from", &["view.from_"]),
+    ("View", "Light", &["view.light", "view.brighter", "view.darker", "view.surroundings"]),
+    (
+        "View",
+        "Selected hair",
+        &[
+            "view.isolate",
+            "view.hide",
+            "view.show_all",
+            "view.lock",
+            "view.select_",
+            "view.what_made",
+            "view.reveal",
+        ],
+    ),
+    ("View", "Two grooms", &["compare."]),
+    ("Pen", "Tools on hair", &["hair."]),
+    ("Pen", "Strokes", &["strokes."]),
+    ("Pen", "Masks", &["mask."]),
+    ("Pen", "Recipes", &["recipe."]),
+];
 
 /// Every action, in the order of menus.
 pub fn all() -> impl Iterator<Item = Entry> {

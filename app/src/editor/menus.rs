@@ -2,7 +2,7 @@
 
 use super::Editor;
 use super::Event;
-use super::actions::{self, MENUS};
+use super::actions::{self, Entry, MENUS};
 use super::documents;
 use super::keys::name_of;
 use crate::core::room::Room;
@@ -22,29 +22,12 @@ pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
         egui::ScrollArea::horizontal().show(ui, |ui| {
             egui::MenuBar::new().ui(ui, |ui| {
                 for menu in MENUS {
-                    let mut entries = actions::all().filter(|a| a.menu == *menu).peekable();
-                    if entries.peek().is_none() {
+                    let all: Vec<Entry> = actions::all().filter(|a| a.menu == *menu).collect();
+                    if all.is_empty() {
                         continue;
                     }
                     ui.menu_button(*menu, |ui| {
-                        panel::list(ui, |ui| {
-                            for action in entries {
-                                let allowed = action.when(editor);
-                                let keys = editor.keys.of(action.id).map(|k| name_of(&k));
-                                let mut button = Button::new(action.label);
-                                if let Some(keys) = keys {
-                                    button = button.shortcut_text(keys);
-                                }
-                                let response = ui
-                                    .add_enabled(allowed.is_ok(), button)
-                                    .on_hover_text(action.tip)
-                                    .on_disabled_hover_text(allowed.err().unwrap_or_default());
-                                if response.clicked() {
-                                    picked = Some(action.id);
-                                    ui.close();
-                                }
-                            }
-                        });
+                        panel::list(ui, |ui| entries(editor, &all, &mut picked, ui));
                     });
                 }
             });
@@ -52,6 +35,39 @@ pub(crate) fn bar(editor: &mut Editor, ui: &mut egui::Ui) {
     });
     if let Some(action) = picked {
         editor.act(action);
+    }
+}
+
+/// What a menu lists: entries of a group together, in a menu of their own where the first of them stands.
+fn entries(editor: &Editor, all: &[Entry], picked: &mut Option<&'static str>, ui: &mut egui::Ui) {
+    for (at, action) in all.iter().enumerate() {
+        match action.group() {
+            None => entry(editor, action, picked, ui),
+            Some(group) if all[..at].iter().any(|before| before.group() == Some(group)) => {}
+            Some(group) => {
+                panel::submenu(ui, group, |ui| {
+                    let own = all.iter().filter(|action| action.group() == Some(group));
+                    own.for_each(|action| entry(editor, action, picked, ui));
+                });
+            }
+        }
+    }
+}
+
+fn entry(editor: &Editor, action: &Entry, picked: &mut Option<&'static str>, ui: &mut egui::Ui) {
+    let allowed = action.when(editor);
+    let keys = editor.keys.of(action.id).map(|k| name_of(&k));
+    let mut button = Button::new(action.label);
+    if let Some(keys) = keys {
+        button = button.shortcut_text(keys);
+    }
+    let response = ui
+        .add_enabled(allowed.is_ok(), button)
+        .on_hover_text(action.tip)
+        .on_disabled_hover_text(allowed.err().unwrap_or_default());
+    if response.clicked() {
+        *picked = Some(action.id);
+        ui.close();
     }
 }
 

@@ -260,11 +260,12 @@ fn panels_and_menus_leave_the_menu_bar_free_and_are_reached_whole() {
         hands.click(view.center());
         let entry = |hands: &Hands, words: &str| hands.place(words).unwrap();
         let first = super::actions::all().find(|action| action.menu == "View").unwrap();
-        let top = entry(&hands, first.label);
+        let top = entry(&hands, first.group().unwrap_or(first.label));
         assert!(window.contains_rect(top), "{size:?} at {scale}: {top:?}");
         let lowest = |hands: &Hands| {
             let actions = super::actions::all().filter(|action| action.menu == "View");
-            let rects = actions.filter_map(|action| hands.place(action.label));
+            let names = actions.map(|action| action.group().unwrap_or(action.label));
+            let rects = names.filter_map(|name| hands.place(name));
             rects.map(|rect| rect.bottom()).fold(0.0, f32::max)
         };
         hands.hover(top.center());
@@ -276,6 +277,28 @@ fn panels_and_menus_leave_the_menu_bar_free_and_are_reached_whole() {
         }
         assert!(lowest(&hands) <= window.bottom(), "{size:?} at {scale}: the end is not reached");
     }
+}
+
+#[test]
+fn no_menu_of_the_bar_is_taller_than_a_small_screen() {
+    let mut hands = Hands::on(rows(), [1366.0, 768.0], 1.0);
+    for menu in super::actions::MENUS {
+        hands.click_on(menu);
+        hands.picture(&format!("the menu {menu}"));
+        let all = super::actions::all().filter(|action| action.menu == *menu);
+        let names: Vec<&str> = all.map(|action| action.group().unwrap_or(action.label)).collect();
+        for name in names {
+            let rect = hands.place(name).unwrap_or_else(|| panic!("{menu}: {name}"));
+            assert!(rect.bottom() < 768.0, "{menu}: {name} at {rect:?}");
+        }
+        hands.key(Key::Escape);
+    }
+    // A menu within a menu opens beside it, and its entries do what they say.
+    hands.click_on("Pen");
+    hands.click_on("Recipes");
+    let before = hands.editor().state.history.done();
+    hands.click_on("Brows");
+    assert_eq!(hands.editor().state.history.done(), before + 1);
 }
 
 #[test]

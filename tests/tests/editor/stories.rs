@@ -115,6 +115,9 @@ fn every_entry_of_every_menu_does_something_or_says_why_not() {
         ui.state_mut().apply(Event::Edit(Edit::SetTitle("a".into())));
         ui.run_steps(3);
         assert!(click(&mut ui, action.menu), "the menu {}", action.menu);
+        if let Some(group) = action.group() {
+            assert!(click(&mut ui, group), "{}: the menu {group}", action.id);
+        }
         let before = sight(&ui);
         assert!(click(&mut ui, action.label), "{}: its menu does not show it", action.id);
         ui.run_steps(3);
