@@ -140,21 +140,25 @@ impl std::fmt::Display for Skin {
     }
 }
 
-/// Heads with the looks of their files where these are given; and what cannot be shown.
+/// Heads with the looks of their files where these are given, then what was left out of them and is still seen; and what cannot be
+/// shown.
 pub(crate) fn heads(
     scalps: &[Arc<Scalp>],
     skin: Skin,
     looks: &[Option<Arc<FileLooks>>],
 ) -> (Vec<Solid>, Vec<String>) {
-    let (mut solids, mut remarks) = (vec![], vec![]);
+    let (mut solids, mut asides, mut remarks) = (vec![], vec![], vec![]);
     for (number, scalp) in scalps.iter().enumerate() {
-        let (head, told) = match looks.get(number).and_then(Option::as_ref) {
+        let drawn = |scalp: &Scalp| match looks.get(number).and_then(Option::as_ref) {
             Some(looks) => looks.head(scalp, skin),
             None => (head_solid(scalp, skin.tone()), vec![]),
         };
+        let (head, told) = drawn(scalp);
         solids.push(head);
         remarks.extend(told);
+        asides.extend(scalp.aside().map(|aside| drawn(aside).0));
     }
+    solids.extend(asides);
     (solids, remarks)
 }
 
@@ -263,6 +267,31 @@ mod tests {
             assert!(found.is_some_and(|y| at.contains(&y)), "{show:?} {to}: {found:?}");
         }
         assert_eq!(height(&hair, &hanging(0.0, -40.0), &[]), None);
+    }
+
+    #[test]
+    fn eyes_that_are_left_out_are_still_drawn() {
+        use coif_nodes::define::Value;
+        use coif_nodes::eval::{EvalCx, Log, PlainHost, Quality};
+        use coif_nodes::maths::hash::Key;
+        let head = |left_out: &str| {
+            let def = coif_nodes::by_id("head").expect("a kind");
+            let given = |name: &str| match name {
+                "leave_out" => vec![Value::Text(left_out.into())],
+                _ => vec![],
+            };
+            let values: Vec<Vec<Value>> = def.inputs.iter().map(|i| given(i.name)).collect();
+            let (host, log) = (PlainHost, Log::default());
+            let cx = EvalCx::new(0, Quality::Final, Key(1), &host, &log);
+            let out = (def.run)(&cx, &values).expect("a head");
+            let Some(Value::Scalp(scalp)) = out.into_iter().next() else { panic!("a scalp") };
+            scalp
+        };
+        let count = |scalp: Arc<Scalp>| {
+            let (solids, _) = heads(&[scalp], Skin::Tone(Tone::Clay), &[]);
+            solids.iter().map(|solid| solid.triangles.len()).sum::<usize>()
+        };
+        assert_eq!(count(head("eyes, iris")), count(head("")));
     }
 
     #[test]

@@ -164,6 +164,8 @@ pub struct Scalp {
     parts: Arc<[Part]>,
     /// For drawing with the file's own textures.
     kept: Option<Arc<[u32]>>,
+    /// For drawing only: what was left out and is still seen.
+    aside: Option<Arc<Scalp>>,
     /// For fitting a groom to another head.
     landmarks: Landmarks,
     head: Arc<Head>,
@@ -218,6 +220,7 @@ impl Scalp {
             cm_per_unit: 1.0,
             parts: Arc::default(),
             kept: None,
+            aside: None,
             landmarks: Landmarks::default(),
             head: Arc::new(Head {
                 surface,
@@ -295,6 +298,7 @@ impl Scalp {
             cm_per_unit: self.cm_per_unit,
             parts: self.parts.clone(),
             kept: self.kept.clone(),
+            aside: self.aside.clone(),
             landmarks: self.landmarks,
             head: self.head.clone(),
             region: self.region.clone(),
@@ -388,6 +392,16 @@ impl Scalp {
     /// For each triangle its index in the mesh file; `None` if all are present.
     pub fn kept(&self) -> Option<&[u32]> {
         self.kept.as_deref()
+    }
+
+    /// Stores what was left out of the head and is still seen, such as its eyes.
+    pub fn with_aside(mut self, aside: Option<Self>) -> Self {
+        self.aside = aside.map(Arc::new);
+        self
+    }
+    /// What was left out of the head and is still seen; no hair grows on it, and it is no skin.
+    pub fn aside(&self) -> Option<&Self> {
+        self.aside.as_deref()
     }
 
     /// Stores the landmarks.
@@ -562,6 +576,9 @@ impl Scalp {
     pub fn buffers(&self, tell: &mut impl FnMut(usize, usize)) {
         tell(Arc::as_ptr(&self.head) as usize, self.head_bytes());
         tell(Arc::as_ptr(&self.region) as usize, self.region.bytes());
+        if let Some(aside) = &self.aside {
+            aside.buffers(tell);
+        }
         if let Some(sections) = &self.sections {
             let (at, bytes) = sections.buffer();
             tell(at, bytes);

@@ -47,7 +47,7 @@ node! {
         mesh: Option<Arc<FileData>>, holds(Holds::Mesh), words("file import model");
         /// Parts of the mesh to ignore, such as hair, hats and glasses: comma-separated names of meshes, nodes, groups
         /// or materials, or "piece 2" for the second largest piece of a mesh without names. `*` matches any text, as in
-        /// `hair*, *glasses`; case is ignored. The messages suggest candidates.
+        /// `hair*, *glasses`; case is ignored. The messages suggest candidates. Eyes, teeth and tongue stay in pictures.
         leave_out: Arc<str> = "", words("hide ignore exclude remove hair hat helmet glasses lashes brows part material");
         /// Where hair grows.
         region: Region = Region::Default, words("scalp area growth hairline density map");
@@ -160,7 +160,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     mesh.notes.iter().for_each(|note| cx.remark(note.clone()));
     cx.check()?;
     let mut parts = Parts::of(&mesh, &Pieces::of(&mesh.points, &mesh.triangles));
-    let kept = leave_out(cx, &inputs, &mut mesh, &mut parts)?;
+    let (kept, mut aside) = leave_out(cx, &inputs, &mut mesh, &mut parts)?;
     let pieces = Pieces::of(&mesh.points, &mesh.triangles);
     let (mut points, mut triangles, mut uvs) = (mesh.points, mesh.triangles, mesh.uvs);
     cx.check()?;
@@ -191,6 +191,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if inside_out {
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
         uvs.iter_mut().flatten().for_each(|uv| uv.swap(1, 2));
+        if let Some((aside, _)) = &mut aside {
+            aside.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            aside.uvs.iter_mut().flatten().for_each(|uv| uv.swap(1, 2));
+        }
     }
     let scale = scale(cx, &inputs, mesh.cm_per_unit, &points, fit.as_ref());
     let looks = forward(cx, &inputs, up, &found)?;
@@ -285,7 +289,9 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     if let Some(rough) = scalp.rough() {
         tell_rough(cx, rough, &frame);
     }
+    let aside = aside.map(|(mesh, kept)| still_seen(mesh, kept, (up, scale), frame));
     let scalp = scalp.with_cm_per_unit(scale).with_parts(parts.list()).with_kept(kept);
+    let scalp = scalp.with_aside(aside);
     Ok(Outputs { scalp: Arc::new(scalp) })
 }
 
@@ -337,14 +343,25 @@ fn tell_turned(cx: &EvalCx, inside_out: bool, turned: Option<Vec<bool>>, parts: 
     ));
 }
 
+/// What is left out and still seen, as a head of its own on which no hair grows.
+fn still_seen(mut mesh: Mesh, kept: Vec<u32>, (up, scale): (Up, f32), frame: HeadFrame) -> Scalp {
+    mesh.points.iter_mut().for_each(|p| *p = up.turned(*p) * scale);
+    let surface = Surface::new(mesh.points, mesh.triangles);
+    let of_materials = incident(&surface, &mesh.material_of, &mesh.materials);
+    let named = of_materials.into_iter().map(|(name, mask)| (format!("material:{name}"), mask));
+    let mut masks: BTreeMap<String, Vec<f32>> = named.collect();
+    masks.insert(REGION.to_owned(), vec![0.0; surface.points.len()]);
+    Scalp::new(surface, mesh.uvs, frame, masks).with_kept(Some(kept))
+}
+
 /// Removes the parts named by `leave_out` from the mesh; returns the indices of the remaining triangles if any were
-/// removed.
+/// removed, and what of them is still seen, with its indices.
 fn leave_out(
     cx: &EvalCx,
     inputs: &Inputs,
     mesh: &mut Mesh,
     parts: &mut Parts,
-) -> Result<Option<Vec<u32>>, NodeError> {
+) -> Result<(Option<Vec<u32>>, Option<(Mesh, Vec<u32>)>), NodeError> {
     let left_out = parts.leave_out(&inputs.leave_out);
     if !left_out.unknown.is_empty() {
         let (unknown, told) = (parts::listed(&left_out.unknown), parts.listed());
@@ -355,7 +372,7 @@ fn leave_out(
     }
     let count = left_out.gone.iter().filter(|gone| **gone).count();
     if count == 0 {
-        return Ok(None);
+        return Ok((None, None));
     }
     if count == mesh.triangles.len() {
         return Err(NodeError::BadValue {
@@ -365,9 +382,16 @@ fn leave_out(
         });
     }
     cx.remark(format!("left out: {count} of {} triangles", mesh.triangles.len()));
+    let numbers = |of: &[bool], wanted: bool| -> Vec<u32> {
+        (0u32..).zip(of).filter(|(_, of)| **of == wanted).map(|(t, _)| t).collect()
+    };
+    let aside = left_out.seen.contains(&true).then(|| {
+        let mut aside = mesh.clone();
+        aside.leave_out(&left_out.seen.iter().map(|seen| !seen).collect::<Vec<_>>());
+        (aside, numbers(&left_out.seen, true))
+    });
     mesh.leave_out(&left_out.gone);
-    let all = (0u32..).zip(&left_out.gone);
-    Ok(Some(all.filter(|(_, gone)| !**gone).map(|(t, _)| t).collect()))
+    Ok((Some(numbers(&left_out.gone, false)), aside))
 }
 
 /// Scalp area of a person, cm2, and an upper limit for any on a head of average size.

@@ -54,6 +54,8 @@ struct Column {
 pub(crate) struct LeftOutParts {
     /// For each triangle, whether it is left out.
     pub(crate) gone: Vec<bool>,
+    /// For each triangle, whether it is left out and still seen: an eye is no skin, and part of every picture of a head.
+    pub(crate) seen: Vec<bool>,
     /// Names and patterns that match nothing.
     pub(crate) unknown: Vec<String>,
 }
@@ -158,16 +160,19 @@ impl Parts {
             matched.into_iter().for_each(|name| self.is_left_out[name] = true);
         }
         let count = self.columns.first().map_or(0, |column| column.of.len());
-        let mut gone = vec![false; count];
+        let (mut gone, mut seen) = (vec![false; count], vec![false; count]);
+        let in_head: Vec<bool> = self.names.iter().map(|name| is_in_the_head(name)).collect();
         for column in &self.columns {
-            for (gone, name) in gone.iter_mut().zip(column.each()) {
-                *gone |= name.is_some_and(|name| self.is_left_out[name]);
+            for ((gone, seen), name) in gone.iter_mut().zip(&mut seen).zip(column.each()) {
+                let name = name.filter(|name| self.is_left_out[*name]);
+                *gone |= name.is_some();
+                *seen |= name.is_some_and(|name| in_head[name]);
             }
         }
         for column in &mut self.columns {
             keep(&mut column.of, &gone);
         }
-        LeftOutParts { gone, unknown }
+        LeftOutParts { gone, seen, unknown }
     }
 
     /// Parts that may be hair: those that sound like it, and those that stand over the crown. `over` has one bit for
@@ -430,6 +435,23 @@ fn sounds_like_hair(name: &str) -> bool {
     })
 }
 
+/// Words for what a head holds and shows, in the singular.
+const IN_THE_HEAD: &[&str] = &[
+    "eye", "eyeball", "iris", "pupil", "cornea", "sclera", "teeth", "tooth", "tongue", "gum",
+    "mouth",
+];
+
+/// Whether a name sounds like eyes, teeth or a tongue, and not like what is worn about them.
+fn is_in_the_head(name: &str) -> bool {
+    let is_known = |word: &String| {
+        let word = word.as_str();
+        IN_THE_HEAD
+            .iter()
+            .any(|known| [word, word.strip_suffix('s').unwrap_or(word)].contains(known))
+    };
+    words(name).iter().any(is_known) && !sounds_like_hair(name)
+}
+
 /// The words of a name: runs of letters, with a new word at each capital after a lowercase letter.
 fn words(name: &str) -> Vec<String> {
     let (mut words, mut was_small) = (vec![String::new()], false);
@@ -470,6 +492,20 @@ mod tests {
         }
         // A comma in a name is escaped, so that the list does not end there.
         assert!(is_match(&as_pattern("hair, long"), "hair, long"));
+    }
+
+    #[test]
+    fn eyes_and_teeth_are_in_the_head_and_what_is_about_them_is_not() {
+        for name in
+            ["Eye_L", "eyes", "leftEye", "EyeBall", "Teeth.001", "tongue", "Cornea", "Wolf3D_Eyes"]
+        {
+            assert!(is_in_the_head(name), "{name}");
+        }
+        for name in
+            ["eyebrow", "eye lashes", "Eye_Glasses", "hair", "hat", "head", "eyelid", "piece 2"]
+        {
+            assert!(!is_in_the_head(name), "{name}");
+        }
     }
 
     #[test]
