@@ -12,7 +12,6 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::task::{Context, Poll, Wake};
 use std::thread::Thread;
-use std::time::{Duration, Instant};
 
 impl Purpose {
     /// What the dialog says on top.
@@ -103,28 +102,30 @@ pub(crate) trait Dialogs {
     fn ask(&mut self, question: &Question);
     /// The answer, once there is one.
     fn answer(&mut self) -> Option<Answer>;
+    /// The window has lost the keyboard: to a dialog, where one was asked for.
+    fn lost_keyboard(&mut self) {}
 }
-
-/// A dialog that closed sooner was never seen by anybody.
-const UNSEEN: Duration = Duration::from_millis(250);
 
 /// The system's own dialogs.
 pub(crate) struct System {
     wake: Arc<dyn Fn() + Send + Sync>,
     waiting: Option<Receiver<Answer>>,
+    /// Whether the window has lost the keyboard since the question: a dialog that takes none was never there, however long it took to
+    /// find that out.
+    seen: bool,
 }
 
 impl System {
     /// Dialogs that call `wake` when they are answered.
     pub(crate) fn new(wake: Arc<dyn Fn() + Send + Sync>) -> Self {
-        Self { wake, waiting: None }
+        Self { wake, waiting: None, seen: false }
     }
 }
 
 impl Dialogs for System {
     fn ask(&mut self, question: &Question) {
         let (send, receive) = channel();
-        self.waiting = Some(receive);
+        (self.waiting, self.seen) = (Some(receive), false);
         let (name, endings) = question.purpose.endings();
         let mut dialog = rfd::AsyncFileDialog::new()
             .set_title(question.purpose.title())
@@ -142,10 +143,8 @@ impl Dialogs for System {
         let chosen: Chosen =
             if saves { Box::pin(dialog.save_file()) } else { Box::pin(dialog.pick_file()) };
         let spawned = std::thread::Builder::new().name("file dialog".to_owned()).spawn(move || {
-            let began = Instant::now();
             let answer = match wait(chosen) {
                 Some(file) => Answer::Chosen(file.path().to_owned()),
-                None if began.elapsed() < UNSEEN => Answer::NoDialog,
                 None => Answer::Nothing,
             };
             // Nobody waits any more when another question was asked meanwhile.
@@ -159,12 +158,17 @@ impl Dialogs for System {
 
     fn answer(&mut self) -> Option<Answer> {
         let answer = match self.waiting.as_ref()?.try_recv() {
+            Ok(Answer::Nothing) if !self.seen => Answer::NoDialog,
             Ok(answer) => answer,
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => Answer::NoDialog,
         };
         self.waiting = None;
         Some(answer)
+    }
+
+    fn lost_keyboard(&mut self) {
+        self.seen = true;
     }
 }
 
@@ -234,6 +238,22 @@ mod tests {
         check(Purpose::Export, "/a/x.hair", "/a/x.hair");
         check(Purpose::Export, "/a/x.abc", "/a/x.abc");
         check(Purpose::Open, "/a/x", "/a/x");
+    }
+
+    #[test]
+    fn a_dialog_that_never_took_the_keyboard_was_never_there() {
+        for seen in [false, true] {
+            let mut system = System::new(Arc::new(|| {}));
+            let (send, receive) = channel();
+            system.waiting = Some(receive);
+            assert_eq!(system.answer(), None);
+            if seen {
+                system.lost_keyboard();
+            }
+            send.send(Answer::Nothing).unwrap();
+            let expected = if seen { Answer::Nothing } else { Answer::NoDialog };
+            assert_eq!((system.answer(), system.answer()), (Some(expected), None));
+        }
     }
 
     #[test]

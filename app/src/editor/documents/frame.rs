@@ -35,6 +35,12 @@ pub(crate) fn before(editor: &mut Editor, ctx: &egui::Context) {
     for path in dropped {
         drop_file(editor, &path);
     }
+    let lost = |event: &egui::Event| *event == egui::Event::WindowFocused(false);
+    if let Some(dialogs) = &mut editor.documents.dialogs
+        && ctx.input(|input| input.events.iter().any(lost))
+    {
+        dialogs.lost_keyboard();
+    }
     match editor.documents.dialogs.as_mut().and_then(|dialogs| dialogs.answer()) {
         Some(Answer::Chosen(path)) => editor.answered(Some(path)),
         Some(Answer::Nothing) => editor.answered(None),

@@ -854,4 +854,16 @@ fn a_head_of_ones_own_begins_a_new_groom_from_the_welcome_panel_and_is_framed() 
     // The face looks at the eye.
     let to_eye = (view.camera.eye - frame.origin).normalize();
     assert!(to_eye.dot(frame.forward) > 0.8, "{to_eye}");
+    // So are its nodes.
+    let room = editor.place_of(crate::core::room::Room::Canvas).unwrap();
+    let Editor { canvas, state, .. } = ui.state_mut();
+    let node = canvas.place(state, &NodeId::new("head").unwrap()).unwrap();
+    let off = canvas.to_screen(node.center()) - room.center();
+    assert!(off.length() < 40.0, "{off}");
+    // The same once more asks once more how it stands.
+    press(&mut ui, "Accept");
+    assert!(!ui.state().documents.places_head());
+    fake.answers(Answer::Chosen(folder.path("far.obj")));
+    act(&mut ui, "file.head");
+    assert!(ui.state().documents.places_head());
 }

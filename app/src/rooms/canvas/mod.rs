@@ -160,9 +160,10 @@ impl Canvas {
         egui_graph::id(if self.looks { "coif canvas beside" } else { "coif canvas" })
     }
 
-    /// Forgets what it worked out of a document that is gone: it may be covered for long.
+    /// Forgets what it worked out of a document that is gone: it may be covered for long. All of the next one is brought into sight.
     pub(crate) fn forget(&mut self) {
         self.cache = FaceCache::default();
+        self.look_at_all();
     }
 
     /// Marks nodes and wires, or none.
