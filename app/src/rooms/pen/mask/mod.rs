@@ -56,7 +56,7 @@ fn rounded(x: f32) -> f32 {
 pub(super) fn begin(mode: Mode, report: &Report, scene: &mut Scene) -> Begun {
     let Some(hit) = skin(scene.scalp, scene.view, report.pos) else { return Ok(None) };
     let made = scene.node.clone().map(|node| (node, vec![]));
-    let made = made.or_else(|| target::make(&scene.state.document));
+    let made = made.or_else(|| target::make(scene.state));
     let made = made.ok_or("there is no head to paint on: add a head to the graph")?;
     let mode = if report.tool == End::Eraser { Mode::Erase } else { mode };
     let brush = brush(mode, hit.point, scene);

@@ -227,6 +227,33 @@ fn by_section_a_stroke_and_a_flood_keep_to_where_they_begin() {
 }
 
 #[test]
+fn a_mask_is_painted_on_the_scalp_of_the_selected_hair_and_never_on_that_of_a_region() {
+    let text = r#"(format: 3, nodes: {
+        "head": (kind: "head"),
+        "chin": (kind: "region", links: {"scalp": "head.scalp"}),
+        "a_beard": (kind: "scatter_guides", links: {"scalp": "chin.scalp"}, inputs: {"count": 50}),
+        "a_out": (kind: "groom_output", links: {"curves": "a_beard.curves"}),
+        "rows": (kind: "partings", links: {"scalp": "head.scalp"}),
+        "hair": (kind: "scatter_guides", links: {"scalp": "rows.scalp"}, inputs: {"count": 50}),
+        "loose": (kind: "scatter_guides", links: {"scalp": "head.scalp"}, inputs: {"count": 50}),
+        "out": (kind: "groom_output", links: {"curves": ["hair.curves", "loose.curves"]}),
+    })"#;
+    let document = coif_graphs::file::read(text).expect("it reads").document;
+    let file = crate::core::state::OpenFile::default();
+    let settings = crate::core::settings::Settings::default();
+    let mut state = crate::core::state::State::new(document, file, settings, |_| None);
+    for (active, expected) in
+        [("", "rows"), ("hair", "rows"), ("loose", "head"), ("a_beard", "head"), ("chin", "head")]
+    {
+        state.selection.active = NodeId::new(active).ok();
+        let (id, edits) = target::make(&state).expect("a head");
+        let mut with = state.document.clone();
+        edits.iter().for_each(|edit| drop(edit.apply(&mut with).expect("it can be made")));
+        assert_eq!(with.wires(&id, "scalp")[0].node.as_str(), expected, "{active:?} is selected");
+    }
+}
+
+#[test]
 fn hair_follows_a_thousand_dabs_that_are_wired_to_its_length_and_density() {
     let mut document = head();
     let scalp = Socket::new(document.display.clone().expect("the head"), "scalp");
