@@ -5,7 +5,7 @@ use crate::data::outline::for_middles;
 use crate::data::scalp::Scalp;
 use crate::data::strokes::{Sample, Stroke};
 use crate::define::{FileData, NodeDef, NodeError, Value};
-use crate::eval::{EvalCx, Host, Kept, Log, PlainHost, Quality, Room};
+use crate::eval::{EvalCx, Host, Kept, Log, Message, PlainHost, Quality, Room};
 use crate::maths::hash::{Key, KeyBuilder};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::Vec3;
@@ -58,7 +58,7 @@ impl Host for Lends {
 pub(crate) fn run(node: &NodeDef, set: &[(&str, Value)]) -> (Vec<Value>, Vec<String>) {
     let log = Log::default();
     let out = run_on(node, set, &PlainHost, &log, Quality::Final);
-    let said = log.messages().iter().map(ToString::to_string).collect();
+    let said = log.messages().iter().map(Message::with_id).collect();
     (out.unwrap_or_else(|err| panic!("{}: {err}", node.id)), said)
 }
 

@@ -5,6 +5,7 @@ use coif_graphs::schedule::result::{NodeReport, content_hash_until};
 use coif_graphs::schedule::run::CancelToken;
 use coif_nodes::data::curves::Curves;
 use coif_nodes::data::gestures::Replayed;
+use coif_nodes::eval::Message;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::{Arc, LazyLock};
@@ -356,7 +357,7 @@ impl Report {
                 curves: node.curves,
                 points: node.points,
                 bytes: node.bytes,
-                messages: node.messages.iter().map(ToString::to_string).collect(),
+                messages: node.messages.iter().map(Message::with_id).collect(),
                 gestures: (0..)
                     .zip(node.gestures.iter().map(|one| &**one))
                     .map(GestureReport::new)

@@ -137,7 +137,7 @@ fn lengths_scale_with_the_head_when_asked() {
         let scalp = Scalp::new(surface, None, frame, [(REGION.to_owned(), region)].into());
         let set = vec![("scalp", scalp.into()), ("scale_with_head", scaled.into())];
         let (strands, _, said) = braid(&[Vec3::X * 40.0, Vec3::new(40.0, -20.0, 0.0)], &[set]);
-        assert_eq!(said.iter().any(|s| s.contains("multiplied by 2.000")), scaled);
+        assert_eq!(said.iter().any(|s| s.contains("lengths are 100 % longer")), scaled);
         CvStrand::all(&strands).iter().flat_map(|s| s.radius.clone()).fold(0.0, f32::max)
     };
     let ratio = width(true) / width(false);

@@ -22,12 +22,24 @@ pub struct Message {
     pub curves: Vec<u64>,
 }
 
+impl Message {
+    /// The same with the id of the first curve, for reports: other commands take it.
+    pub fn with_id(&self) -> String {
+        match self.count {
+            0 => self.text.clone(),
+            1 => format!("{} (curve {:016x})", self.text, self.curves[0]),
+            n => format!("{} ({n} curves, first {:016x})", self.text, self.curves[0]),
+        }
+    }
+}
+
+/// For people, who point at curves.
 impl std::fmt::Display for Message {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.count {
             0 => f.write_str(&self.text),
-            1 => write!(f, "{} (curve {:016x})", self.text, self.curves[0]),
-            n => write!(f, "{} ({n} curves, first {:016x})", self.text, self.curves[0]),
+            1 => write!(f, "{} (1 curve)", self.text),
+            n => write!(f, "{} ({n} curves)", self.text),
         }
     }
 }

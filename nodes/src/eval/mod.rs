@@ -46,6 +46,8 @@ pub enum Quality {
 /// A result as the cache keeps it.
 pub type Kept = Arc<dyn Any + Send + Sync>;
 
+/// A head that is less than so many percent larger or smaller than the average is not remarked: nobody sees the difference.
+const SAME_SIZE: f32 = 0.5;
 /// The most points that one node makes where nobody has allowed more: what all hair of a groom is to have.
 pub const MOST_POINTS: u64 = 1 << 24;
 /// Bytes that a point takes while a node works, its share of attributes and of room to grow counted in.
@@ -181,8 +183,12 @@ impl<'a> EvalCx<'a> {
     /// The same where lengths grow with a head, which is remarked; where there is none, a typed centimetre is a centimetre.
     pub(crate) fn on_head(&self, head: Option<&HeadFrame>) -> EvalCx<'a> {
         let unit = head.map_or(1.0, HeadFrame::unit);
-        if unit != 1.0 {
-            self.remark(format!("lengths are multiplied by {unit:.3} for the size of the head"));
+        let more = (unit - 1.0) * 100.0;
+        if more.abs() >= SAME_SIZE {
+            let (by, way) = (more.abs(), if more > 0.0 { "longer" } else { "shorter" });
+            self.remark(format!(
+                "lengths are {by:.0} % {way} than typed, with the size of the head"
+            ));
         }
         EvalCx { unit, ..*self }
     }
@@ -291,7 +297,7 @@ mod tests {
         let host = PlainHost;
         let cx = EvalCx::new(0, Quality::Final, Key(1), &host, &log);
         (1..=20).for_each(|curve| cx.trouble(curve, "was left out"));
-        let said: Vec<String> = log.messages().iter().map(ToString::to_string).collect();
+        let said: Vec<String> = log.messages().iter().map(Message::with_id).collect();
         assert_eq!(said, ["was left out (20 curves, first 0000000000000001)"]);
         assert_eq!(log.messages()[0].curves.len(), MOST_NAMED);
     }

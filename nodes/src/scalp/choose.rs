@@ -167,8 +167,8 @@ impl Choice<'_> {
         };
         let neck = if neck { "" } else { " and no neck under it" };
         cx.warn(format!(
-            "{what} was taken for the head {face}{neck}. If it is no head, set fit to none; if another part is, leave this one \
-             out (leave_out){account}"
+            "{what} was taken for the head {face}{neck}. If it is no head, tick \"No human head\" (fit: none); if another \
+             part is, leave this one out (leave_out){account}"
         ));
     }
 }
@@ -191,8 +191,8 @@ fn doubt_all(cx: &EvalCx, up: Up, fit: Option<Fit>, account: &str) {
     };
     cx.warn(format!(
         "no human cranium was found: {seen}; with another axis up no head was found either. So the mesh keeps its own \
-         coordinates. If it is an animal or a thing, set fit to none; if it is a person, set up, or name in leave_out what \
-         stands on the head{account}{ask}"
+         coordinates. If it is an animal or a thing, tick \"No human head\" (fit: none); if it is a person, set up, or name \
+         in leave_out what stands on the head{account}{ask}"
     ));
 }
 

@@ -141,16 +141,9 @@ impl GestureContext<'_> {
         let missing: Vec<u64> =
             wanted.into_iter().filter(|(_, seen)| !seen).map(|(id, _)| id).collect();
         if !missing.is_empty() {
-            let list: Vec<String> = missing.iter().take(3).map(|id| format!("{id:016x}")).collect();
-            let list = list.join(", ");
-            let more = if missing.len() > 3 { ", ..." } else { "" };
             let text = match missing.len() == all {
-                true => format!("its {} not there any more: {list}{more}", curves(all)),
-                false => format!(
-                    "{} of its {} not there any more: {list}{more}",
-                    missing.len(),
-                    curves(all)
-                ),
+                true => format!("its {} not there any more", curves(all)),
+                false => format!("{} of its {} not there any more", missing.len(), curves(all)),
             };
             sketch.say(text);
         }

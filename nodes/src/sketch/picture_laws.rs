@@ -110,7 +110,7 @@ fn with_view(view: GestureView, tool: Tool, layer: Layer, line: &[Vec2]) -> Gest
 /// The node's result for these gestures on a bare head, and what it says of them.
 fn sketch(scalp: &Arc<Scalp>, gestures: &[Gesture]) -> (Curves, Vec<String>) {
     let (curves, mut told) = super::laws::sketch_on(scalp, None, gestures);
-    told.retain(|text| !text.starts_with("lengths are multiplied"));
+    told.retain(|text| !text.starts_with("lengths are "));
     (curves, told)
 }
 

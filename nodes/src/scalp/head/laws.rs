@@ -523,6 +523,16 @@ fn what_is_left_out_is_neither_skin_nor_region_and_what_is_not_there_is_told() {
     let numbers = (0u32..).zip(bust::adult().material_of).filter(|(_, of)| *of < 2);
     let kept: Vec<u32> = numbers.map(|(t, _)| t).collect();
     assert_eq!((scalp.kept(), alone.kept()), (Some(&kept[..]), None));
+    // Eyes stay to be seen, where they were; no hair grows on them. Hair that is left out goes.
+    let aside = scalp.aside().expect("eyes");
+    assert_eq!(aside.surface().triangles.len(), eyes);
+    let gone = (0u32..).zip(bust::adult().material_of).filter(|(_, of)| *of >= 2);
+    let gone: Vec<u32> = gone.map(|(t, _)| t).collect();
+    assert_eq!(aside.kept(), Some(&gone[..]));
+    let whole = adult(&[]).0;
+    assert_eq!(aside.surface().corners(0), whole.surface().corners(gone[0]));
+    assert!(aside.region().iter().all(|grows| *grows == 0.0));
+    assert!(left.aside().is_none() && whole.aside().is_none());
 }
 
 #[test]
@@ -563,7 +573,7 @@ fn where_no_hairline_is_known_or_the_region_is_no_scalp_it_is_told_with_its_size
     };
     let metres = ("units", "m".into());
     let (_, said) = adult(&[("mesh", file()), metres.clone()]);
-    says(&said, &["no human cranium was found", "y up", "set fit to none", "leave_out", "set up"]);
+    says(&said, &["no human cranium was found", "y up", "(fit: none)", "leave_out", "set up"]);
     says(
         &said,
         &["no hairline is known", "100 % of the mesh, 240000 cm2", "600 to 900 cm2", "region"],
