@@ -91,6 +91,7 @@ pub const MENUS: &[&str] = &["File", "Edit", "Node", "View", "Pen", "Window", "H
 /// Entries that stand in a menu within their menu: that menu, what it is called, and how the ids of its entries begin.
 const GROUPS: &[(&str, &str, &[&str])] = &[
     ("Node", "Line up", &["canvas.align_", "canvas.distribute"]),
+    ("Node", "Pick", &["canvas.select_", "canvas.next_wire"]),
     ("View", "Look from", &["view.from_"]),
     ("View", "Light", &["view.light", "view.brighter", "view.darker", "view.surroundings"]),
     (
