@@ -19,6 +19,7 @@ mod hollow;
 mod landmark_laws;
 mod landmarks;
 pub(crate) mod lay;
+mod other_side;
 mod paint_mask;
 mod parts;
 #[cfg(test)]

@@ -7,6 +7,7 @@
 use super::drawn::{self, DrawnRegionParams};
 use super::hairline;
 use super::head::INNER_WALL;
+use super::other_side;
 use super::paint_mask::on_skin;
 use crate::data::landmarks::Landmark;
 use crate::data::region::ChosenRegion;
@@ -35,7 +36,7 @@ node! {
         outline: Arc<Strokes> = Strokes::default(), words("stroke edge hairline line closed");
         /// Whether hair grows inside the outlines or outside.
         side: Side = Side::Inside, words("invert exclude leave out bare not except without");
-        /// Draw each outline on both sides of the head.
+        /// Draw each outline on both sides of the head. Where these differ, or the face is turned, the other one is laid onto the skin.
         symmetric: bool = false, words("mirror both sides brows");
         /// Where hair grows, inside the outlines or, without any, on the whole head: a mask of the head such as
         /// "material:brows", a painted mask or a texture mask.
@@ -106,8 +107,17 @@ fn inside(cx: &EvalCx, inputs: &Inputs) -> Result<crate::data::drawn::DrawnRegio
     let mut strokes = Strokes::clone(&inputs.outline);
     if inputs.symmetric {
         let mut twins = strokes.0.clone();
-        let samples = twins.iter_mut().flat_map(|stroke| &mut stroke.samples);
-        samples.for_each(|sample| sample.position *= Vec3::new(-1.0, 1.0, 1.0));
+        for stroke in &mut twins {
+            let line: Vec<Vec3> =
+                stroke.samples.iter().map(|sample| scalp.place(sample.position)).collect();
+            let laid = other_side::laid(surface, frame, &line, &|| cx.check())?;
+            for (k, sample) in stroke.samples.iter_mut().enumerate() {
+                sample.position = match &laid {
+                    Some(laid) => scalp.given(laid[k]),
+                    None => sample.position * Vec3::new(-1.0, 1.0, 1.0),
+                };
+            }
+        }
         strokes.0.extend(twins);
     }
     let softness = inputs.edge;
@@ -170,6 +180,24 @@ mod tests {
         let near = |middle: Vec3| hair.iter().filter(|p| p.distance(middle) < 1.1).count();
         assert_eq!(near(eye) + near(other), hair.len());
         assert!(near(eye).abs_diff(near(other)) < 40, "{} and {}", near(eye), near(other));
+    }
+
+    #[test]
+    fn on_a_head_whose_face_is_turned_the_other_side_is_that_of_the_face() {
+        // The built-in head is the same on both sides of its file's x = 0; its frame is turned against it.
+        let (plain, turned) = (head(&[]), head(&[("turn", Value::Float(4.0))]));
+        let brow = plain.frame().point_from_head(Vec3::new(3.2, -0.6, 9.0));
+        let (middle, line) = outline(&turned, turned.frame().head_from_point(brow), 0.8);
+        let mirror = |p: Vec3| p * Vec3::new(-1.0, 1.0, 1.0);
+        let other = turned.closest_root(mirror(middle)).unwrap().point;
+        let in_frame = turned.place(turned.given(middle) * Vec3::new(-1.0, 1.0, 1.0));
+        assert!(other.distance(in_frame) > 1.0);
+        let outline = Strokes(vec![line]).into();
+        let set = [("outline", outline), ("symmetric", true.into()), ("edge", Value::Float(0.0))];
+        let hair = roots(&region(&turned, &set).0);
+        let near = |middle: Vec3| hair.iter().filter(|p| p.distance(middle) < 1.0).count();
+        assert_eq!(near(middle) + near(other), hair.len());
+        assert!(near(middle).abs_diff(near(other)) < 40, "{} and {}", near(middle), near(other));
     }
 
     #[test]
