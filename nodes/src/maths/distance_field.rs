@@ -22,7 +22,7 @@ use super::lanes::LANES;
 use super::triangle_tree::Nearby;
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU16, Ordering};
+use std::sync::atomic::{AtomicU16, AtomicUsize, Ordering};
 
 /// Distance between samples, cm. Doubled as often as needed for a mesh of more than `MOST_BLOCKS`.
 pub const CELL: f32 = 0.2;
@@ -55,6 +55,8 @@ pub struct DistanceField {
     lowest: Vec3,
     blocks_along: IVec3,
     blocks: Vec<OnceLock<Block>>,
+    /// Bytes of all this. (Counting them anew each time took milliseconds of every evaluation.)
+    held: AtomicUsize,
 }
 
 enum Block {
@@ -110,6 +112,7 @@ impl DistanceField {
             lowest: lo - Vec3::splat((BAND_CELLS + 1.0) * cell),
             blocks_along,
             blocks: (0..count).map(|_| OnceLock::new()).collect(),
+            held: AtomicUsize::new(count * size_of::<OnceLock<Block>>()),
         }
     }
 
@@ -141,10 +144,7 @@ impl DistanceField {
         let (q, i, brick) = match self.place(surface, p) {
             Place::Inside => return Depth::Inside,
             Place::Outside => return Depth::Outside,
-            Place::Near { q, i, block: Near { triangle, bricks, .. } } => {
-                let brick = bricks[which(i)].get_or_init(|| Brick::new(*triangle));
-                (q, i, brick)
-            }
+            Place::Near { q, i, block } => (q, i, self.brick(block, i)),
         };
         let corner = sample_at(i & (BRICK - 1));
         let centre = &brick.centres[cell_at(i)];
@@ -185,7 +185,7 @@ impl DistanceField {
         if most > enough {
             return most;
         }
-        let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
+        let brick = self.brick(block, i);
         // The outermost corner of a cell is the best bound.
         for cells in [middle(BRICK), i + block.outward] {
             let at = sample_at(cells - (i & !(BRICK - 1)));
@@ -222,19 +222,37 @@ impl DistanceField {
     #[inline]
     pub fn closest(&self, surface: &Surface, p: Vec3) -> Option<Hit> {
         let Place::Near { q, i, block } = self.place(surface, p) else { return None };
-        let brick = block.bricks[which(i)].get_or_init(|| Brick::new(block.triangle));
+        let brick = self.brick(block, i);
         let (middle, nearby) = self.nearby(surface, brick, i);
         let is_in = (q - i.as_vec3() - 0.5).length_squared() < HALF_DIAGONAL * HALF_DIAGONAL;
         if is_in { surface.closest_of(p, middle, nearby) } else { None }
     }
 
+    /// The brick of a cell.
+    #[inline]
+    fn brick<'b>(&self, block: &'b Near, i: IVec3) -> &'b Brick {
+        block.bricks[which(i)].get_or_init(|| {
+            self.holds(size_of::<Brick>());
+            Brick::new(block.triangle)
+        })
+    }
+
+    fn holds(&self, bytes: usize) {
+        self.held.fetch_add(bytes, Ordering::Relaxed);
+    }
+
     /// The middle of a cell (cm), and the triangles near it.
     fn nearby<'b>(&self, surface: &Surface, brick: &'b Brick, i: IVec3) -> (Vec3, &'b Nearby) {
         let middle = self.lowest + (i.as_vec3() + 0.5) * self.cell;
-        let cells = brick.nearby.get_or_init(|| Box::new([const { OnceLock::new() }; BRICK_CELLS]));
+        let cells = brick.nearby.get_or_init(|| {
+            self.holds(BRICK_CELLS * size_of::<OnceLock<Nearby>>());
+            Box::new([const { OnceLock::new() }; BRICK_CELLS])
+        });
         let nearby = cells[cell_at(i)].get_or_init(|| {
             let radius = HALF_DIAGONAL * self.cell + 1e-6 * middle.abs().max_element();
-            surface.nearby(middle, radius)
+            let nearby = surface.nearby(middle, radius);
+            self.holds(nearby.len() * size_of::<(f32, u32)>());
+            nearby
         });
         (middle, nearby)
     }
@@ -305,6 +323,7 @@ impl DistanceField {
         }
         let distance = surface.signed_distance(middle, &hit);
         let outward = (middle - hit.point) * distance;
+        self.holds(size_of::<Near>());
         Block::Near(Box::new(Near {
             triangle: hit.triangle,
             distance,
@@ -403,34 +422,7 @@ impl DistanceField {
 
     /// Bytes held so far.
     pub fn bytes(&self) -> usize {
-        let blocks = self.blocks_near().count() * size_of::<Near>();
-        let bricks = self.bricks().count() * size_of::<Brick>();
-        let lists = self.bricks().filter_map(|brick| brick.nearby.get()).count();
-        let [_, listed] = self.listed();
-        self.blocks.len() * size_of::<OnceLock<Block>>()
-            + blocks
-            + bricks
-            + lists * BRICK_CELLS * size_of::<OnceLock<Nearby>>()
-            + listed * size_of::<(f32, u32)>()
-    }
-
-    fn blocks_near(&self) -> impl Iterator<Item = &Near> {
-        self.blocks.iter().filter_map(|block| match block.get() {
-            Some(Block::Near(near)) => Some(&**near),
-            _ => None,
-        })
-    }
-
-    fn bricks(&self) -> impl Iterator<Item = &Brick> {
-        self.blocks_near().flat_map(|near| &near.bricks).filter_map(|brick| Some(&**brick.get()?))
-    }
-
-    /// Number of cells for which the triangles near them were looked for, and of those listed, with repeats.
-    fn listed(&self) -> [usize; 2] {
-        let cells = self.bricks().filter_map(|brick| brick.nearby.get()).flat_map(|cells| &**cells);
-        cells
-            .filter_map(OnceLock::get)
-            .fold([0, 0], |[cells, listed], nearby| [cells + 1, listed + nearby.len()])
+        self.held.load(Ordering::Relaxed)
     }
 }
 
@@ -525,7 +517,7 @@ mod tests {
         let bust = Surface::new(bust.points.clone(), bust.triangles.clone());
         let dice = Dice::new(17, 0, "query");
         // Coarse, fine, and so fine that a cell has too many triangles to list.
-        let mut listed = vec![];
+        let mut found = vec![];
         for surface in [sphere(1.5, 5), sphere(6.0, 64), bust, sphere(0.3, 128)] {
             let field = DistanceField::new(&surface);
             for id in 0..5_000 {
@@ -537,12 +529,12 @@ mod tests {
                     assert_eq!(Some(hit), surface.closest(p), "{p}");
                 }
             }
-            listed.push(field.listed());
+            found.push(listed(&field));
         }
-        println!("cells and triangles listed: {listed:?}");
+        println!("cells and triangles listed: {found:?}");
         let all_have = |[cells, of_cells]: &[usize; 2]| *cells > 500 && *of_cells > *cells;
-        assert!(listed[..3].iter().all(all_have), "{listed:?}");
-        assert!(listed[3][1] < listed[3][0] / 10, "{listed:?}");
+        assert!(found[..3].iter().all(all_have), "{found:?}");
+        assert!(found[3][1] < found[3][0] / 10, "{found:?}");
     }
 
     #[test]
@@ -601,18 +593,29 @@ mod tests {
         }
     }
 
-    /// How many samples and cells are made.
-    fn made(field: &DistanceField) -> (usize, usize) {
+    fn bricks(field: &DistanceField) -> impl Iterator<Item = &Brick> {
         let near = field.blocks.iter().filter_map(|block| match block.get() {
             Some(Block::Near(near)) => Some(near),
             _ => None,
         });
-        let bricks = near.flat_map(|near| near.bricks.iter().filter_map(OnceLock::get));
-        bricks.fold((0, 0), |(samples, cells), brick| {
+        near.flat_map(|near| near.bricks.iter().filter_map(|brick| Some(&**brick.get()?)))
+    }
+
+    /// How many samples and cells are made.
+    fn made(field: &DistanceField) -> (usize, usize) {
+        bricks(field).fold((0, 0), |(samples, cells), brick| {
             let known = brick.samples.iter().filter(|s| s.load(Ordering::Relaxed) != UNKNOWN);
             let made = brick.centres.iter().filter(|m| m.load(Ordering::Relaxed) != UNMADE);
             (samples + known.count(), cells + made.count())
         })
+    }
+
+    /// Number of cells for which the triangles near them were looked for, and of those listed, with repeats.
+    fn listed(field: &DistanceField) -> [usize; 2] {
+        let lists = bricks(field).filter_map(|brick| brick.nearby.get()).flat_map(|cells| &**cells);
+        lists
+            .filter_map(OnceLock::get)
+            .fold([0, 0], |[cells, listed], nearby| [cells + 1, listed + nearby.len()])
     }
 
     #[test]
@@ -623,10 +626,10 @@ mod tests {
         field.depth(&surface, Vec3::Y * 6.0);
         // The eight bricks of a block are pointers but for one, and of its 125 samples the corners of a cell are known.
         let brick = size_of::<Near>() + size_of::<Brick>();
-        assert_eq!((field.bytes(), field.listed()), (empty + brick, [0, 0]));
+        assert_eq!((field.bytes(), listed(&field)), (empty + brick, [0, 0]));
         // A cell in which closest points are asked for lists what is near it; at a pole that is too much to list.
         assert_eq!(field.closest(&surface, Vec3::Y * 6.0), None);
-        assert_eq!(field.listed(), [1, 0]);
+        assert_eq!(listed(&field), [1, 0]);
         let lists = size_of::<[OnceLock<Nearby>; BRICK_CELLS]>();
         assert_eq!(field.bytes(), empty + brick + lists);
         assert_eq!(made(&field), (8, 1));
