@@ -351,7 +351,7 @@ fn every_view_light_and_model_looks_as_it_did() {
 fn fewer_strands_with_their_widths_made_up_cover_the_same() {
     let test = "fewer_strands_with_their_widths_made_up_cover_the_same";
     let Some(mut renderer) = renderer(test) else { return };
-    let groom = start(6000);
+    let groom = start(3000);
     let drawn = |share: f32, renderer: &mut Renderer| {
         let look = Look { share, ..Look::default() };
         let picture = Scene { look, ..Scene::of_hair(&groom) }.draw(renderer);
@@ -360,12 +360,10 @@ fn fewer_strands_with_their_widths_made_up_cover_the_same() {
     };
     let (full, lit) = drawn(1.0, &mut renderer);
     assert!(full > 0.05, "there is hair: {full}");
-    for share in [0.5, 0.25] {
-        let (covered, light) = drawn(share, &mut renderer);
-        for (what, fewer, all) in [("coverage", covered, full), ("light", light, lit)] {
-            let off = (fewer / all - 1.0).abs();
-            assert!(off < 0.02, "{what} of {share}: {fewer} instead of {all}, {off}");
-        }
+    let (covered, light) = drawn(0.25, &mut renderer);
+    for (what, fewer, all) in [("coverage", covered, full), ("light", light, lit)] {
+        let off = (fewer / all - 1.0).abs();
+        assert!(off < 0.02, "{what}: {fewer} instead of {all}, {off}");
     }
 }
 
@@ -388,7 +386,7 @@ fn the_more_hair_is_seen_through_the_less_it_covers() {
 #[test]
 fn brown_hair_is_brown_and_not_auburn() {
     let Some(mut renderer) = renderer("brown_hair_is_brown_and_not_auburn") else { return };
-    let groom = start(12000);
+    let groom = start(6000);
     let brown = colour_of(absorption_of_melanin(0.87, 0.0));
     for model in [Model::Karis, Model::Chiang] {
         let look = Look { model, ..Look::default() };

@@ -491,7 +491,7 @@ fn an_interruption_leaves_no_trace() {
     for (what, other) in &changes {
         forget(&mut renderer);
         let wanted = other.draw(&mut renderer);
-        for slices in [0, 20, 60] {
+        for slices in [0, 40] {
             // From nothing to the first scene, so far; then to the other.
             forget(&mut renderer);
             first.set(&mut renderer);

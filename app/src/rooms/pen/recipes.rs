@@ -360,7 +360,12 @@ mod tests {
     use crate::core::state::Select;
     use crate::rooms::pen::PenTool;
     use crate::rooms::pen::tests::{Table, draw_on, head, row};
+    use coif_graphs::schedule::files::DiskFiles;
+    use coif_graphs::schedule::request::plan;
+    use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
+    use coif_nodes::eval::Quality;
     use egui::Pos2;
+    use std::path::Path;
 
     fn table_with(recipe: &Recipe) -> Table {
         let mut table = draw_on(head());
@@ -583,6 +588,7 @@ mod tests {
         const SIZES: [&str; 3] = ["length", "size", "width"];
         const AMOUNTS: [(&str, f64); 4] =
             [("count", 400.0), ("density", 20.0), ("hairs", 8.0), ("strands", 40.0)];
+        let evaluator = Evaluator::new(1, 256 << 20).expect("a thread");
         for recipe in &ALL {
             let mut table = draw_on(head());
             table.editor().act(recipe.action);
@@ -625,13 +631,17 @@ mod tests {
                 Edit::SetInput { node, input, setting }.apply(document).expect(name);
             };
             set(&mut document, &amount.name, few);
-            let mut seen = |document: &Document| {
-                let edit = between(&table.editor().state.document, document);
-                table.editor().apply(Event::Edit(edit));
-                table.rest();
-                let shown = table.editor().state.shown.clone().expect("a result");
-                assert!(shown.curves.curve_count() > 20, "{}", recipe.label);
-                shown.curves.key()
+            let hair = Socket::new(document.display.clone().expect(recipe.label), "curves");
+            let seen = |document: &Document| {
+                let files = DiskFiles::new(Path::new(""));
+                let wanted = std::slice::from_ref(&hair);
+                let plan = plan(document, wanted, Quality::Preview, &files).expect(recipe.label);
+                let run = evaluator.run(&plan, OnFailure::Stop, &CancelToken::default(), &Quiet);
+                let Some(Some(Value::Curves(curves))) = run.targets.first() else {
+                    panic!("{}: no hair", recipe.label);
+                };
+                assert!(curves.curve_count() > 4, "{}", recipe.label);
+                curves.key()
             };
             let as_made = seen(&document);
             for port in ports {
