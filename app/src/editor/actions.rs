@@ -93,7 +93,7 @@ const GROUPS: &[(&str, &str, &[&str])] = &[
     ("Node", "Line up", &["canvas.align_", "canvas.distribute"]),
     ("Node", "Pick", &["canvas.select_", "canvas.next_wire"]),
     ("View", "Look from", &["view.from_"]),
-    ("View", "Light", &["view.light", "view.brighter", "view.darker", "view.surroundings"]),
+    ("View", "Lighting", &["view.light", "view.brighter", "view.darker", "view.surroundings"]),
     (
         "View",
         "Selected hair",

@@ -587,7 +587,7 @@ mod tests {
      {
         const SIZES: [&str; 3] = ["length", "size", "width"];
         const AMOUNTS: [(&str, f64); 4] =
-            [("count", 400.0), ("density", 20.0), ("hairs", 8.0), ("strands", 40.0)];
+            [("count", 400.0), ("density", 20.0), ("hairs", 8.0), ("strands", 200.0)];
         let evaluator = Evaluator::new(1, 256 << 20).expect("a thread");
         for recipe in &ALL {
             let mut table = draw_on(head());

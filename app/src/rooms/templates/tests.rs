@@ -133,7 +133,7 @@ fn a_frame_decodes_few_pictures_reads_no_file_and_all_in_sight_are_there_soon() 
     let folder = Folder::new("templates-fifty");
     for n in 0..50 {
         let png = coif_shaders::small::small_png(
-            &coif_shaders::picture::Picture::plain(256, 256, [n as f32 / 50.0, 0.3, 0.1, 1.0]),
+            &coif_shaders::picture::Picture::plain(64, 64, [n as f32 / 50.0, 0.3, 0.1, 1.0]),
             coif_shaders::display::Transform::Srgb,
             0.0,
             48 << 10,
