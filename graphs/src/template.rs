@@ -67,6 +67,7 @@ pub fn is_as_made(document: &Document, group: &NodeId, origin: &Origin) -> bool 
 /// # Errors
 /// There is no such group, or it stands in another.
 pub fn new(document: &Document, group: &NodeId, origin: Origin) -> Result<Document, String> {
+    let document = &groups::with_parameters_set(document, group);
     let node = document.node(group.as_str()).filter(|node| node.is_group());
     let node = node.ok_or_else(|| format!("{group} is no group"))?;
     if group.group().is_some() {

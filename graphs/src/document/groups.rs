@@ -111,6 +111,12 @@ fn port_for(name: String, input: Option<&InputDef>, ty: Type) -> Port {
     Port { doc, arity, ..Port::new(&name, ty) }
 }
 
+/// The port of a node of parameters that a wire comes from.
+fn parameter(document: &Document, from: &Socket) -> Option<&'static Port> {
+    let node = document.node(from.node.as_str()).filter(|n| n.kind == declared::PARAMETERS)?;
+    node.interface?.inputs().iter().find(|port| port.name == *from.name)
+}
+
 /// What a set of nodes takes from outside and gives to it.
 struct Border {
     inputs: Vec<Port>,
@@ -143,9 +149,14 @@ fn border(document: &Document, nodes: &BTreeSet<NodeId>) -> Result<Border, Strin
         for from in wires {
             match (nodes.contains(&from.node), nodes.contains(&to.node)) {
                 (false, true) if !found.from.contains_key(from) => {
-                    let name = free_port(|name| has(&found.inputs, name), &to.name);
+                    let told = parameter(document, from);
+                    let stem = told.map_or(&*to.name, |port| &port.name);
+                    let name = free_port(|name| has(&found.inputs, name), stem);
                     let input = super::wiring::input_def(document, to);
-                    found.inputs.push(port_for(name.clone(), input, type_of(from)?));
+                    found.inputs.push(match told {
+                        Some(port) => Port { name: name.clone(), ..port.clone() },
+                        None => port_for(name.clone(), input, type_of(from)?),
+                    });
                     found.from.insert(from.clone(), name);
                 }
                 (true, false) => give(&mut found, from)?,
@@ -205,7 +216,7 @@ pub fn alone(document: &Document, group: &NodeId) -> Document {
 }
 
 /// Puts nodes into a new group: the document with it, and its id. What they took from other nodes are its inputs, what others
-/// took from them its outputs.
+/// took from them its outputs. Nodes of parameters stay outside, where the group takes from them.
 ///
 /// # Errors
 /// There are no nodes, they are in different groups, or one is a border of a group; a port would be of no known type; groups
@@ -215,15 +226,16 @@ pub fn make(
     nodes: &BTreeSet<NodeId>,
     name: &str,
 ) -> Result<(Document, NodeId), String> {
+    let kind = |id: &NodeId| document.node(id.as_str()).map_or("", |node| node.kind.as_str());
+    let nodes: &BTreeSet<NodeId> =
+        &nodes.iter().filter(|id| kind(id) != declared::PARAMETERS).cloned().collect();
     let first = nodes.first().ok_or("select the nodes that are to be in the group")?;
     let outer = first.group();
     if let Some(other) = nodes.iter().find(|id| id.group() != outer) {
         return Err(format!("{first} and {other} are in different groups"));
     }
-    let is_border = |id: &&NodeId| {
-        let kind = document.node(id.as_str()).map_or("", |node| node.kind.as_str());
-        [declared::GROUP_INPUT, declared::GROUP_OUTPUT].contains(&kind)
-    };
+    let is_border =
+        |id: &&NodeId| [declared::GROUP_INPUT, declared::GROUP_OUTPUT].contains(&kind(id));
     if let Some(id) = nodes.iter().find(is_border) {
         return Err(format!("{} is the border of its group and stays in it", document.name_of(id)));
     }
@@ -448,6 +460,35 @@ pub fn set_by_parameters(
         .insert(id.clone(), Node { kind, label, inputs, interface, ..Node::default() }.into());
     after.settle();
     Ok((after, Some(id)))
+}
+
+/// The document in which a group has what it takes from nodes of parameters as defaults of its own inputs.
+pub fn with_parameters_set(document: &Document, group: &NodeId) -> Document {
+    let mut after = document.clone();
+    let Some(interface) = document.node(group.as_str()).and_then(|node| node.interface) else {
+        return after;
+    };
+    let mut ports = interface.inputs().to_vec();
+    for port in &mut ports {
+        let [wire] = document.wires(group, &port.name) else { continue };
+        let Some(told) = parameter(document, wire) else { continue };
+        let set = document.node(wire.node.as_str()).and_then(|node| node.inputs.get(&*wire.name));
+        let value = match set {
+            Some(Setting::Known(value)) => Some(value),
+            _ => told.default.as_ref(),
+        };
+        let value = value.and_then(|value| values::fit(port.ty, value.clone()).ok());
+        if value.is_some() {
+            (port.default, port.arity) = (value, Arity::Optional);
+            after.links.remove(&Socket::new(group.clone(), &port.name));
+        }
+    }
+    if let (Ok(interface), Some(node)) =
+        (Interface::new(ports, interface.outputs().to_vec()), after.nodes.get_mut(group))
+    {
+        Arc::make_mut(node).interface = Some(interface);
+    }
+    after
 }
 
 /// What an output of a group, or of its border, comes from.

@@ -352,3 +352,36 @@ fn a_port_is_followed_by_who_says_that_it_was_called_so() {
     check(before, after, "b", Some("a"));
     check(after, after, "a", Some("a"));
 }
+
+#[test]
+fn a_template_of_plain_nodes_and_their_parameters_has_these_as_its_inputs() {
+    let (_, text) = grooms::TEMPLATES.iter().find(|(name, _)| *name == "bob").unwrap();
+    let made = file::read(text).unwrap().document;
+    let group = group_of(&made).unwrap().clone();
+    let ports = |document: &Document, group: &NodeId| {
+        document.nodes[group].interface.unwrap().inputs().to_vec()
+    };
+    let were = ports(&made, &group);
+    let (made, parameters) = groups::set_by_parameters(&made, &group, "Bob").unwrap();
+    let (mut plain, inside) = groups::ungroup(&made, &group).unwrap();
+    let parameters = parameters.unwrap();
+    set(&mut plain, parameters.as_str(), "length", Value::Float(17.0));
+    set(&mut plain, parameters.as_str(), "count", Value::Int(300));
+    let chosen = inside.into_iter().chain([parameters]).collect();
+    let (grouped, group) = groups::make(&plain, &chosen, "mine").unwrap();
+    assert_eq!(hair(&grouped), hair(&plain));
+    let template = new(&grouped, &group, origin("1.0")).unwrap();
+    let are = ports(&template, &group);
+    assert!(template.nodes.values().all(|node| node.kind != "parameters"));
+    assert_eq!(hair(&template), hair(&plain));
+    for was in were.iter().filter(|port| port.default.is_some() && port.ty != Type::Strokes) {
+        let is = are.iter().find(|port| port.name == was.name).expect(&was.name);
+        let default = match &*was.name {
+            "length" => Some(Value::Float(17.0)),
+            "count" => Some(Value::Int(300)),
+            _ => was.default.clone(),
+        };
+        assert_eq!((&is.doc, is.hard), (&was.doc, was.hard), "{}", was.name);
+        assert_eq!(format!("{:?}", is.default), format!("{default:?}"), "{}", was.name);
+    }
+}

@@ -36,6 +36,7 @@ use crate::core::notes::Note;
 use crate::core::pen::Holds;
 use crate::core::projection::Projection;
 use crate::core::state::State;
+use crate::rooms::viewport;
 use crate::widgets::icons::{self, Icon};
 use coif_graphs::document::{NodeId, Socket};
 use coif_nodes::data::gestures::Tool;
@@ -381,13 +382,14 @@ impl Pen {
         hovered: bool,
     ) -> Vec<(Input, bool)> {
         let ctx = ui.ctx();
-        // egui's pointer may trail a pen by a frame; what it is over counts where both are at one place.
+        // egui's pointer may trail a pen by a frame, or have left a button already when a slow frame ends; what it is over counts where
+        // both are at one place.
         let pointer = ctx.input(|input| input.pointer.hover_pos());
         let free = |at: Pos2| {
             let known = pointer.is_some_and(|p| p.distance(at) < devices::SAME_PLACE);
             let layer = ctx.layer_id_at(at).is_none_or(|layer| layer == ui.layer_id());
             let seen = view.rect.intersect(ui.clip_rect());
-            seen.contains(at) && layer && (hovered || !known)
+            seen.contains(at) && layer && if known { hovered } else { is_on_picture(ui, at) }
         };
         let pixels_per_point = ctx.pixels_per_point();
         let inputs = ctx.input(|input| {
@@ -465,4 +467,14 @@ fn press_by_wheel(ctx: &egui::Context, scene: &mut Scene) {
 /// Whether keys are held that make the pointer turn the view.
 fn turns_view(ctx: &egui::Context) -> bool {
     ctx.input(|input| input.modifiers.alt || input.key_down(Key::Space))
+}
+
+/// Whether nothing that can be pressed lies over the picture at a place, as the last frame had it.
+fn is_on_picture(ui: &egui::Ui, at: Pos2) -> bool {
+    let picture = viewport::picture(ui);
+    ui.ctx().viewport(|shown| {
+        let all = shown.prev_pass.widgets.get_layer(ui.layer_id());
+        let after = all.skip_while(|it| it.id != picture).skip(1);
+        !after.into_iter().any(|it| it.sense.interactive() && it.interact_rect.contains(at))
+    })
 }

@@ -671,3 +671,42 @@ fn a_stroke_that_becomes_no_hair_lies_on_no_node_hides_no_hair_and_says_so() {
     );
     assert_eq!(fresh, at, "it is free");
 }
+
+#[test]
+fn what_stands_on_the_picture_is_pressed_and_not_drawn_on_however_slow_a_frame_is() {
+    use egui::{Event, PointerButton};
+    use egui_kittest::kittest::Queryable;
+    let mut table = draw_on(head());
+    table.editor().act("hair.implant");
+    table.rest();
+    let button = table.harness.get_by_label("From \u{23f7}").rect().center();
+    // Pressed, let go, and left for the menu below, all within one frame; and with a pen, which egui's pointer trails.
+    let press = |pressed| Event::PointerButton {
+        pos: button,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    let below = button + Vec2::new(0.0, 60.0);
+    let events =
+        [Event::PointerMoved(button), press(true), press(false), Event::PointerMoved(below)];
+    table.harness.input_mut().events.extend(events);
+    table.step();
+    for phase in [Phase::Hover, Phase::Down, Phase::Up] {
+        let report = PenSample::mouse(table.time, phase, button, 0.9);
+        let report = PenSample { tool: Tool::Tip, device: Device(9), ..report };
+        table.editor().pen.devices.push(report);
+    }
+    table.rest();
+    let said = table.editor().pen.said.take().map(|said| said.text);
+    assert_eq!((said, table.done()), (None, 0));
+    // Beside it, the same says what is wrong.
+    let at = table.on_screen(Pos2::new(20.0, 300.0));
+    for phase in [Phase::Hover, Phase::Down, Phase::Up] {
+        let report = PenSample::mouse(table.time, phase, at, 0.9);
+        let report = PenSample { tool: Tool::Tip, device: Device(9), ..report };
+        table.editor().pen.devices.push(report);
+    }
+    table.rest();
+    assert!(table.editor().pen.said.is_some());
+}

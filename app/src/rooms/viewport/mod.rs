@@ -235,6 +235,11 @@ impl Default for Viewport {
     }
 }
 
+/// The picture among the widgets of a frame: what comes after it stands on it.
+pub(crate) fn picture(ui: &egui::Ui) -> egui::Id {
+    ui.id().with("picture")
+}
+
 impl Viewport {
     /// Begins to draw on a thread of its own, which asks the context to repaint. Until then the room shows no picture.
     pub fn start(&mut self, ctx: &egui::Context) {
@@ -371,7 +376,7 @@ impl Viewport {
             (Sides::Other, Some(other)) => ([None, Some(other)], other),
             _ => ([Some(own), other.filter(|_| sides != Sides::Own)], own),
         };
-        let response = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+        let response = ui.interact(rect, picture(ui), Sense::click_and_drag());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture of the groom")
         });
