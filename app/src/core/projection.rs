@@ -8,6 +8,11 @@ use coif_shaders::camera::{Camera, NEAR};
 use egui::{Pos2, Rect, Vec2};
 use glam::Vec3;
 
+/// The picture among the widgets of a frame; those that come after it stand on it. `ui` is that of its room.
+pub(crate) fn picture(ui: &egui::Ui) -> egui::Id {
+    ui.id().with("picture")
+}
+
 /// A camera and the rectangle of the screen that its picture fills.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {

@@ -34,9 +34,8 @@ use crate::core::action::Of;
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::pen::Holds;
-use crate::core::projection::Projection;
+use crate::core::projection::{self, Projection};
 use crate::core::state::State;
-use crate::rooms::viewport;
 use crate::widgets::icons::{self, Icon};
 use coif_graphs::document::{NodeId, Socket};
 use coif_nodes::data::gestures::Tool;
@@ -471,7 +470,7 @@ fn turns_view(ctx: &egui::Context) -> bool {
 
 /// Whether nothing that can be pressed lies over the picture at a place, as the last frame had it.
 fn is_on_picture(ui: &egui::Ui, at: Pos2) -> bool {
-    let picture = viewport::picture(ui);
+    let picture = projection::picture(ui);
     ui.ctx().viewport(|shown| {
         let all = shown.prev_pass.widgets.get_layer(ui.layer_id());
         let after = all.skip_while(|it| it.id != picture).skip(1);

@@ -28,7 +28,7 @@ pub use camera_control::Step;
 use crate::core::event::Event;
 use crate::core::notes::Note;
 use crate::core::pen::Holds;
-use crate::core::projection::Projection;
+use crate::core::projection::{self, Projection};
 use crate::core::shown::{Shown, Sides};
 use crate::core::state::State;
 use crate::feeders::feeders;
@@ -235,11 +235,6 @@ impl Default for Viewport {
     }
 }
 
-/// The picture among the widgets of a frame: what comes after it stands on it.
-pub(crate) fn picture(ui: &egui::Ui) -> egui::Id {
-    ui.id().with("picture")
-}
-
 impl Viewport {
     /// Begins to draw on a thread of its own, which asks the context to repaint. Until then the room shows no picture.
     pub fn start(&mut self, ctx: &egui::Context) {
@@ -376,7 +371,7 @@ impl Viewport {
             (Sides::Other, Some(other)) => ([None, Some(other)], other),
             _ => ([Some(own), other.filter(|_| sides != Sides::Own)], own),
         };
-        let response = ui.interact(rect, picture(ui), Sense::click_and_drag());
+        let response = ui.interact(rect, projection::picture(ui), Sense::click_and_drag());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "Picture of the groom")
         });
