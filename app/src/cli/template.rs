@@ -408,7 +408,7 @@ fn add(graph: &Path, entry: &LibraryEntry, out: Option<&Path>) -> Exit {
         edit.apply(document).map_err(|err| err.to_string())?;
         if entry.is_changed_in(&fitted) {
             complain(format_args!(
-                "note: {id} is fitted to this head and counts as changed inside: upgrade it with --force alone"
+                "note: {id} was fitted to this head and now differs from its template: upgrading it needs --force"
             ));
         }
         Ok(id)

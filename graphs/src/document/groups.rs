@@ -473,9 +473,11 @@ pub fn with_parameters_set(document: &Document, group: &NodeId) -> Document {
         let [wire] = document.wires(group, &port.name) else { continue };
         let Some(told) = parameter(document, wire) else { continue };
         let set = document.node(wire.node.as_str()).and_then(|node| node.inputs.get(&*wire.name));
+        // A value that nobody can read stays where it is, to be told.
         let value = match set {
             Some(Setting::Known(value)) => Some(value),
-            _ => told.default.as_ref(),
+            Some(Setting::Raw(_)) => None,
+            None => told.default.as_ref(),
         };
         let value = value.and_then(|value| values::fit(port.ty, value.clone()).ok());
         if value.is_some() {

@@ -90,7 +90,7 @@ impl Editor {
         self.apply(Event::End);
         self.apply(Event::Select(Select::Nodes(vec![id.clone()])));
         if entry.is_changed_in(&fitted) {
-            let text = "Fitted to this head. It counts as changed inside: to upgrade it later, choose Upgrade all the same";
+            let text = "Fitted to this head, so it now differs from its template. To upgrade it later, choose Upgrade all the same";
             self.apply(Event::Say(Note::done(text).of(id)));
         }
         // What it has drawn for it waits for the pen.

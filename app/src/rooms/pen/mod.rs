@@ -472,8 +472,8 @@ fn turns_view(ctx: &egui::Context) -> bool {
 fn is_on_picture(ui: &egui::Ui, at: Pos2) -> bool {
     let picture = projection::picture(ui);
     ui.ctx().viewport(|shown| {
-        let all = shown.prev_pass.widgets.get_layer(ui.layer_id());
-        let after = all.skip_while(|it| it.id != picture).skip(1);
-        !after.into_iter().any(|it| it.sense.interactive() && it.interact_rect.contains(at))
+        let mut over = shown.prev_pass.widgets.get_layer(ui.layer_id());
+        let _ = over.find(|it| it.id == picture);
+        !over.any(|it| it.sense.interactive() && it.interact_rect.contains(at))
     })
 }

@@ -398,7 +398,7 @@ fn an_implant_that_takes_the_place_of_another_says_so() {
     assert_eq!(salon.said(), None);
     salon.draw(&Salon::line([302.0, 132.0], [250.0, 400.0]), HEAVY);
     assert_eq!(salon.curves().curve_count(), 1);
-    let said = "implanted a cluster; 1 cluster rooted there gave way: to keep both, undo and begin farther off";
+    let said = "implanted a cluster; it replaced 1 cluster rooted there: to keep both, undo and begin farther away";
     assert_eq!(salon.said().as_deref(), Some(said));
 }
 

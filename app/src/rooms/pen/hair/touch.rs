@@ -293,7 +293,7 @@ impl HairTouch {
             (Tool::Comb, _) if guessed => "to implant there, choose Implant".to_owned(),
             (_, 0) => return,
             (_, replaced) => format!(
-                "{} rooted there gave way: to keep both, undo and begin farther off",
+                "it replaced {} rooted there: to keep both, undo and begin farther away",
                 counted(replaced, "cluster")
             ),
         };
