@@ -46,7 +46,7 @@ pub enum Quality {
 /// A result as the cache keeps it.
 pub type Kept = Arc<dyn Any + Send + Sync>;
 
-/// A head that is less than so many percent larger or smaller than the average is not remarked: nobody sees the difference.
+/// Heads whose size is within this percentage of the average get no remark: the difference cannot be seen.
 const SAME_SIZE: f32 = 0.5;
 /// The most points that one node makes where nobody has allowed more: what all hair of a groom is to have.
 pub const MOST_POINTS: u64 = 1 << 24;

@@ -15,7 +15,7 @@ use glam::{DQuat, DVec3, Vec3};
 
 /// A mirrored line is laid where the mirrored skin about it is farther from the skin than this in the mean, head units.
 const MISSES: f32 = 0.05;
-/// Skin within this distance of the line counts, head units, and at most so many of its vertices.
+/// Skin is compared within this distance of the line (head units), by at most this many of its vertices.
 const ABOUT: f32 = 2.5;
 const MOST: usize = 1500;
 /// Mirrored skin is compared with skin at most this far away (head units) whose direction is within this cosine.
@@ -108,7 +108,7 @@ pub(super) fn laid(
     Ok(Some(moved.collect()))
 }
 
-/// The solution of six linear equations, each with its right side last; `None` if there is none.
+/// Solves six linear equations, each row ending in its right-hand side; `None` if they are singular.
 fn solved(mut rows: [[f64; 7]; 6]) -> Option<[f64; 6]> {
     for k in 0..6 {
         let pivot = (k..6).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs()))?;
