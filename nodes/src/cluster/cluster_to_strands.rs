@@ -17,7 +17,7 @@ use super::cross_sections::{
 use super::plan::PlannedHair;
 use crate::data::attributes::{
     ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FLATNESS, FRIZZ, ID, PARENT, RADIUS,
-    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, WIDTH,
+    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, UNCUT, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
@@ -425,7 +425,7 @@ fn inherit(
 ) {
     let count = strands.len();
     let own = [RADIUS, DENSITY, FRIZZ, FLATNESS, WIDTH].map(|own| own.name);
-    let mine = [ID.name, COLOUR.name, CUT.name];
+    let mine = [ID.name, COLOUR.name, CUT.name, UNCUT.name];
     let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
     for attribute in tuft.attributes() {
         let name = attribute.name.as_ref();

@@ -232,6 +232,8 @@ declare! {
     /// Normal, pointing out of the hair, of the plane through a cluster's tip that cuts its strands. Unit; zero: not
     /// cut.
     CUT: Vec3 = "cut", Vec3::ZERO;
+    /// Arc length that a drawn curve had before it was cut, cm; 0: not cut.
+    UNCUT: f32 = "uncut_length", 0.0, cm;
     /// Colour, linear Rec.709.
     COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
     /// Depth below the skin that the curve may reach, cm.

@@ -2,7 +2,8 @@
 //!
 //! A guide follows the strokes beside its root, from where each passes the root to its tip: their directions, carried along the skin,
 //! are blended step by step, and so are their lengths. A stroke's weight falls with its distance and is zero where another takes its
-//! place, so nothing pops, and a new stroke changes only the guides around it.
+//! place, so nothing pops, and a new stroke changes only the guides around it. A stroke that was cut is followed as it ran before,
+//! falling from where it ends: hair that crosses the cut ends there, and no other hair changes its length.
 //!
 //! Guarantees: roots lie on the scalp and in its region; a higher count only adds guides; no point lies below the skin; points are evenly
 //! spaced; a guide rooted where a stroke is, on the same skin, has its shape and length; on a parted scalp no guide follows a stroke on
@@ -10,7 +11,7 @@
 
 use super::even_roots::EvenRoots;
 use super::grower::{CLEARANCE, Grower, bind};
-use crate::data::attributes::{Attribute, Domain, ID, PARENT, ROOT_UV, SECTION};
+use crate::data::attributes::{Attribute, Domain, ID, PARENT, ROOT_UV, SECTION, UNCUT};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
 use crate::define::{NodeError, node};
@@ -78,6 +79,8 @@ const HANGS: f32 = 3.0;
 const LIES: f32 = 1.0;
 /// Beyond the end of its strokes hair falls, over such a length (head units).
 const FALLS: f32 = 5.0;
+/// The most CVs by which a stroke that was cut leads on.
+const MOST_BEYOND: f32 = 256.0;
 /// Beyond its tip a stroke counts as whole again, over such a fraction of its length: of one that hangs, and of one on the skin.
 const BEYOND: [f32; 2] = [0.5, 0.1];
 
@@ -141,7 +144,10 @@ const BATCH: usize = 256;
 struct StrokeOnSkin<'a> {
     tuft: &'a Tuft,
     curve: usize,
+    /// As it runs, or ran before it was cut.
     row: Row,
+    /// Where it was cut, as a fraction of its length.
+    cut: Option<f32>,
     /// At even arc length: direction, normal of the skin, and distance from it (cm).
     samples: Vec<(Vec3, Vec3, f32)>,
     tip: Vec3,
@@ -186,15 +192,25 @@ fn strokes<'a>(cx: &EvalCx, inputs: &'a Inputs) -> Result<Vec<StrokeOnSkin<'a>>,
         )));
     }
     let surface = inputs.scalp.surface();
+    let falls = (-inputs.scalp.frame().up, cx.unit());
     let mut out = vec![];
     for (tuft, curve) in inputs.strokes.each() {
         cx.check()?;
-        let row = match Row::new(tuft.id(curve), tuft.curve(curve)) {
+        let (points, uncut) = (tuft.curve(curve), tuft.view(UNCUT).at(curve, 0));
+        let row = match Row::new(tuft.id(curve), points) {
             Ok(row) => row,
             Err(fault) => {
                 cx.trouble(tuft.id(curve), fault);
                 continue;
             }
+        };
+        let length = row.length();
+        let (row, cut) = match Row::new(tuft.id(curve), &before_cut(points, uncut, falls)) {
+            Ok(before) if before.length() > length => {
+                let cut = length / before.length();
+                (before, Some(cut))
+            }
+            _ => (row, None),
         };
         let sample = |k: usize| {
             let place = row.spline.locate(k as f32 / SAMPLES as f32);
@@ -204,10 +220,28 @@ fn strokes<'a>(cx: &EvalCx, inputs: &'a Inputs) -> Result<Vec<StrokeOnSkin<'a>>,
         };
         if let Some(samples) = (0..=SAMPLES).map(sample).collect() {
             let tip = row.spline.at(1.0);
-            out.push(StrokeOnSkin { tuft, curve, row, samples, tip });
+            out.push(StrokeOnSkin { tuft, curve, row, cut, samples, tip });
         }
     }
     Ok(out)
+}
+
+/// The CVs of a stroke as it ran before it was cut, given the length that it had (cm): on from its tip it falls.
+fn before_cut(points: &[Vec3], uncut: f32, (down, unit): (Vec3, f32)) -> Vec<Vec3> {
+    let mut all = points.to_vec();
+    let length: f32 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    let [.., a, b] = *points else { return all };
+    let mean = length / (points.len() - 1) as f32;
+    let rest = (uncut - length).max(0.0);
+    let steps = (rest / mean).ceil().min(MOST_BEYOND);
+    let step = (rest / steps).min(mean);
+    let way = (b - a).normalize_or(down);
+    for k in 0..steps as usize {
+        let falls = smoothstep((k as f32 * step / (FALLS * unit)).min(1.0));
+        let on = all[all.len() - 1] + way.lerp(down, falls).normalize_or(down) * step;
+        all.push(on);
+    }
+    all
 }
 
 /// Even roots with their names.
@@ -273,6 +307,8 @@ fn length(
 ) -> f32 {
     let whole = stroke.row.length();
     let (way, _, off) = stroke.samples[SAMPLES];
+    // Scissors cut level, however near the skin.
+    let off = if stroke.cut.is_some() { f32::MAX } else { off };
     let hangs = smoothstep((off / (HANGS * unit)).min(1.0));
     let of_both = |[in_air, on_skin]: [f32; 2]| on_skin + (in_air - on_skin) * hangs;
     // What is rooted farther along the way of a hanging end ends level with it.
@@ -282,7 +318,15 @@ fn length(
     let beyond = (root - stroke.tip).dot(way);
     let again = smoothstep((beyond / (of_both(BEYOND) * whole)).clamp(0.0, 1.0));
     let level = level * smoothstep(off / (LIES * unit));
-    whole + (rest + (whole - rest) * again - whole) * level
+    let length = whole + (rest + (whole - rest) * again - whole) * level;
+    match stroke.cut {
+        Some(cut) if from < cut => {
+            let way = stroke.row.spline.tangent_at(cut);
+            let rest = whole * (cut - from) - (root - place).dot(way);
+            length.min(rest.max(whole * SHORTEST[0]))
+        }
+        _ => length,
+    }
 }
 
 fn guide(inputs: &Inputs, name: u64, root: &Root, stroke: &StrokeOnSkin, points: &[Vec3]) -> Tuft {
@@ -292,7 +336,7 @@ fn guide(inputs: &Inputs, name: u64, root: &Root, stroke: &StrokeOnSkin, points:
         let values = attribute.values.gather(&[stroke.curve as u32]);
         b.set_column(Attribute { values, ..attribute.clone() });
     }
-    [ROOT_UV.name, SECTION.name].iter().for_each(|name| b.remove(name));
+    [ROOT_UV.name, SECTION.name, UNCUT.name].iter().for_each(|name| b.remove(name));
     b.set(ID, Domain::Curve, vec![curve_id(0, inputs.seed as u64, name)]);
     b.set(PARENT, Domain::Curve, vec![stroke.tuft.id(stroke.curve)]);
     bind(&mut b, root, &inputs.scalp);
@@ -394,6 +438,68 @@ mod tests {
         assert!(heights[0] < 3.5 && heights[1] > heights[0] + 1.0, "{heights:?}");
         assert!(spread(&|one| one.1, &level) > 4.0, "{}", spread(&|one| one.1, &level));
         assert!(spread(&|one| one.1, &layered) < 2.0, "{}", spread(&|one| one.1, &layered));
+    }
+
+    #[test]
+    fn hair_that_crosses_a_cut_ends_there_and_no_other_hair_is_longer_than_before() {
+        let drawn = both_sides();
+        // Some 4 cm above the ends that hang, and 3 cm of the skin from where strokes begin.
+        for (left, beyond) in [(0.8, 0), (0.3, 40)] {
+            let cut = drawn.tufts().iter().map(|tuft| {
+                let row = crate::maths::spline::Spline::new(tuft.points()).unwrap();
+                let mut b = TuftBuilder::new();
+                let points: Vec<Vec3> = (0..=14).map(|k| row.at(left * k as f32 / 14.0)).collect();
+                b.push_curve(&points);
+                b.set(ID, Domain::Curve, vec![tuft.id(0)]);
+                b.set(UNCUT, Domain::Curve, vec![row.length()]);
+                Arc::new(b.build())
+            });
+            let cut = Curves::new(cut.collect());
+            let [was, is] = [&drawn, &cut].map(|strokes| {
+                let set = [("volume", Value::Float(0.0)), ("count", Value::Int(3000))];
+                let guides = flow(strokes, &set);
+                let ends = |tuft: &Arc<Tuft>| {
+                    assert!(tuft.attribute(UNCUT.name).is_none());
+                    let points = tuft.points();
+                    (tuft.id(0), (points[0], points[points.len() - 1].y, length(points)))
+                };
+                guides.tufts().iter().map(ends).collect::<BTreeMap<u64, _>>()
+            });
+            assert!(was.keys().eq(is.keys()));
+            // Of the strokes in the middle.
+            let end = cut.tufts()[2].points()[14].y;
+            let (mut shorter, mut same) = (0, 0);
+            for (id, (root, tip, long)) in &is {
+                let before = was[id].2;
+                assert!(*long < before * 1.1 + 0.2, "{left} {root}: {long} of {before}");
+                let beside = root.z.abs() < 0.8 && root.x.abs() > 2.0;
+                if beside && root.y > end + 2.0 && before > long + 0.5 {
+                    assert!((tip - end).abs() < 1.5, "{left} {root}: ends at {tip}, not {end}");
+                    shorter += 1;
+                }
+                same += usize::from(beside && root.y < end && (long / before - 1.0).abs() < 0.1);
+            }
+            assert!(shorter > 40 && same >= beyond, "{left}: {shorter} {same} of {}", is.len());
+        }
+    }
+
+    #[test]
+    fn a_length_before_a_cut_that_is_no_length_is_none() {
+        let drawn = both_sides();
+        for wrong in [f32::NAN, -1.0, 0.5, f32::MAX, f32::INFINITY] {
+            let strange = drawn.tufts().iter().map(|tuft| {
+                let mut b = tuft.edit();
+                b.set(UNCUT, Domain::Curve, vec![wrong]);
+                Arc::new(b.build())
+            });
+            let guides = flow(&Curves::new(strange.collect()), &[]);
+            assert!(guides.tufts().iter().flat_map(|tuft| tuft.points()).all(|p| p.is_finite()));
+            if !(wrong > 1.0) {
+                let was = flow(&drawn, &[]);
+                let keys = |of: &Curves| of.tufts().iter().map(|t| t.key()).collect::<Vec<_>>();
+                assert_eq!(keys(&was), keys(&guides), "{wrong}");
+            }
+        }
     }
 
     #[test]

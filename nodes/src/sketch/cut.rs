@@ -3,10 +3,11 @@
 //! The stroke must enter a cluster on one side and leave it on the other. Depending on the layer, it cuts the nearest
 //! curve, all curves down to the head, or removes whole curves rooted where it crosses the head. Beyond the paper: the
 //! curve stores the plane of the stroke, and Cluster to strands ends each strand in it, so that an angled cut stays
-//! angled. With a size, curves around that reach beyond the line of the stroke lose a share of what lies beyond it.
+//! angled. It stores the length that it had, too: Flow from strokes ends there what the cut crosses, and leaves the rest as long
+//! as it was. With a size, curves around that reach beyond the line of the stroke lose a share of what lies beyond it.
 
 use super::hand::{GestureContext, SketchState, off_line};
-use super::lock::{Lock, way};
+use super::lock::{Lock, length, way};
 use crate::data::gestures::Layer;
 use crate::data::route::makers::lift_exactly;
 use glam::{Vec2, Vec3};
@@ -50,6 +51,7 @@ pub(super) fn cut(hand: &GestureContext, sketch: &mut SketchState) {
             continue;
         };
         let mut lock = (*sketch.locks[i]).clone();
+        lock.uncut = lock.uncut.max(length(&lock.points));
         match shorter(hand, &mut lock, k, t) {
             true => {
                 let to = way(&lock.points);
@@ -153,7 +155,7 @@ fn shorter(hand: &GestureContext, lock: &mut Lock, k: usize, t: f32) -> bool {
     }
     kept.push(end);
     places.push(k as f32 + t);
-    if kept.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>() < SHORTEST {
+    if length(&kept) < SHORTEST {
         return false;
     }
     lock.set_points(kept, &places);

@@ -12,7 +12,7 @@
 //! and no others, so that none is lost on a head where roots are closer together.
 
 use super::hand::{GestureContext, SketchState, off_piece};
-use super::lock::{Implanted, Lock};
+use super::lock::{Implanted, Lock, length};
 use super::relax::{CLEARANCE, Rest};
 use super::seen::Seen;
 use super::silhouette::MedialLine;
@@ -368,10 +368,6 @@ pub(super) fn turned(drawn: &[Vec3], made: &[Vec3]) -> f32 {
         lengths += a.length();
     }
     if lengths > 0.0 { sum / lengths } else { 0.0 }
-}
-
-pub(super) fn length(points: &[Vec3]) -> f32 {
-    points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
 /// Mean density of clusters near a root, weighted by proximity; the node's density if there are none.

@@ -8,7 +8,7 @@
 //! curves no longer exist, is reported. Live and replayed gestures are the same call.
 
 use super::hand::{GestureContext, Settings, SketchState};
-use super::lock::Lock;
+use super::lock::{Lock, length};
 use super::seen::Seen;
 use super::{brush, comb, cut, density, frizz, grow, pin, point, redraw, scatter, twist};
 use crate::data::curves::Curves;
@@ -158,8 +158,8 @@ pub fn resolved(gesture: &Gesture, before: &Curves, after: &Curves, scalp: &Scal
             out.curves = was.keys().filter(|id| !same(id)).copied().collect();
             // The curve that the pen drew; what followed it grew less, and lies farther from where the stroke began.
             let grown = |id: &&u64| {
-                let all = [Some(&was[*id]), is.get(*id)]
-                    .map(|of| of.map_or(0.0, |(_, all)| grow::length(all)));
+                let all =
+                    [Some(&was[*id]), is.get(*id)].map(|of| of.map_or(0.0, |(_, all)| length(all)));
                 all[1] - all[0]
             };
             let drawn = match tool {

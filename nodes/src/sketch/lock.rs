@@ -5,7 +5,7 @@
 
 use crate::data::attributes::{
     COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, NORMAL, PINNED, RADIUS, ROLL,
-    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, default_of,
+    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, UNCUT, default_of,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::lift_exactly;
@@ -33,6 +33,8 @@ pub(super) struct Lock {
     pub radii: Vec<f32>,
     /// The plane in which its strands end: its normal, and the direction of the tip when it was cut.
     pub cut: Option<[Vec3; 2]>,
+    /// The arc length that it had before it was cut, cm; 0: it was not.
+    pub uncut: f32,
     /// For each CV, the position in the input curve that its other values come from, in CVs.
     from: Vec<f32>,
     /// A single curve: as it came in, or as it was implanted.
@@ -74,6 +76,7 @@ impl Lock {
             density: first(base.view(DENSITY), DENSITY.default),
             frizz: first(base.view(FRIZZ), FRIZZ.default),
             radius: first(base.view(RADIUS), RADIUS.default),
+            uncut: first(base.view(UNCUT), UNCUT.default),
             from: each.map(|k| k as f32).collect(),
             cut: (points.len() > 1)
                 .then(|| base.view(CUT).at(0, 0))
@@ -216,6 +219,11 @@ impl Lock {
         if cut.is_some() || base.attribute(CUT.name).is_some() {
             b.set(CUT, Domain::Curve, vec![cut.unwrap_or_default()]);
         }
+        // What has grown as long again is no longer cut.
+        let uncut = if self.uncut > length(&self.points) { self.uncut } else { 0.0 };
+        if uncut > 0.0 || base.attribute(UNCUT.name).is_some() {
+            b.set(UNCUT, Domain::Curve, vec![uncut]);
+        }
         if self.roll.iter().any(|roll| *roll != 0.0) || base.attribute(ROLL.name).is_some() {
             b.set(ROLL, Domain::Point, self.roll.clone());
         }
@@ -250,6 +258,11 @@ fn root(b: &mut TuftBuilder, root: &Root, drift: f32, scalp: &Scalp) {
 pub(super) fn way(points: &[Vec3]) -> Vec3 {
     let last = points.len() - 1;
     (points[last] - points[last - 1]).normalize_or(Vec3::Y)
+}
+
+/// Arc length of CVs, cm.
+pub(super) fn length(points: &[Vec3]) -> f32 {
+    points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
 /// Properties of an implant other than its CVs.

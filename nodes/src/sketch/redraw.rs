@@ -6,9 +6,9 @@
 //! their positions from there to the tip. The drawn part is stored in a frame at that point, which is located on each
 //! head where the stroke begins.
 
-use super::grow::{clear, length, onward, stroke, turned};
+use super::grow::{clear, onward, stroke, turned};
 use super::hand::{GestureContext, SketchState, off_line};
-use super::lock::Lock;
+use super::lock::{Lock, length};
 use super::relax::CLEARANCE;
 use super::seen::Seen;
 use crate::data::gestures::{Gesture, RootFrame};
