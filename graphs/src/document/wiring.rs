@@ -329,32 +329,59 @@ pub fn insert_behind(
     sound(document, Edit::Several(edits)).map(Some)
 }
 
-/// Whether a groom gives hair: something is wired to one of its outputs.
-pub fn has_hair(document: &Document) -> bool {
+/// Which hair of a groom is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hair {
+    /// All of it.
+    All,
+    /// What grows in no region of its own: brows and beards do not count.
+    OfHead,
+}
+
+/// Whether a groom gives such hair: it is wired to one of its outputs.
+pub fn has_hair(document: &Document, which: Hair) -> bool {
+    let elsewhere = match which {
+        Hair::All => BTreeSet::new(),
+        Hair::OfHead => graph::downstream(document, regions(document)),
+    };
     let gives = |(to, wires): (&Socket, &Vec<Socket>)| {
         let node = document.node(to.node.as_str());
-        !wires.is_empty() && node.is_some_and(|node| node.kind == OUTPUT)
+        let is_output = node.is_some_and(|node| node.kind == OUTPUT);
+        is_output && wires.iter().any(|wire| !elsewhere.contains(&wire.node))
     };
     document.links.iter().any(gives)
 }
 
-/// A groom without its hair: heads and masks stay, with what is left out of heads and all that is said of the groom; what gives curves,
+/// A groom without such hair: heads and masks stay, with what is left out of heads and all that is said of the groom; what gives curves,
 /// hangs from them or writes them goes, with the regions and the parameters that only it read.
-pub fn without_hair(document: &Document) -> Document {
+pub fn without_hair(document: &Document, which: Hair) -> Document {
     let of_curves = |id: &&NodeId| {
         let def = document.def(id);
         let gives = def.is_some_and(|def| def.outputs.iter().any(|out| out.ty == Type::Curves));
         gives || def.is_some_and(|def| def.id == OUTPUT)
     };
-    let hair: Vec<&NodeId> = document.nodes.keys().filter(of_curves).collect();
+    // What grows in regions, what feeds that, and what takes it together with other hair.
+    let mut stays = BTreeSet::new();
+    if which == Hair::OfHead {
+        stays = graph::downstream(document, regions(document));
+        let joins = |id: &&NodeId| {
+            let node = document.node(id.as_str());
+            node.is_some_and(|node| [OUTPUT, MERGE].contains(&node.kind.as_str()))
+        };
+        let grown: Vec<&NodeId> = stays.iter().filter(|id| !joins(id)).collect();
+        let feeds = graph::upstream(document, grown);
+        stays.extend(feeds);
+    }
+    let hair: Vec<&NodeId> =
+        document.nodes.keys().filter(|id| of_curves(id) && !stays.contains(*id)).collect();
     let mut gone = graph::downstream(document, hair.iter().copied());
     gone.extend(hair.into_iter().cloned());
+    gone.retain(|id| !stays.contains(id));
     // What nothing else reads was that of the hair; but parameters that nothing read at all, and what is left out of a head.
     let is_its = |(id, node): &(&NodeId, &Arc<Node>)| {
-        let outside = matches!(node.inputs.get("side"),
-            Some(Setting::Known(Value::Text(side))) if &**side == "outside");
         let is_read = document.links.values().flatten().any(|wire| wire.node == **id);
-        node.kind == REGION && !outside || node.kind == declared::PARAMETERS && is_read
+        let is_its = is_region(node) || node.kind == declared::PARAMETERS && is_read;
+        is_its && !stays.contains(*id)
     };
     for (id, _) in document.nodes.iter().filter(is_its) {
         let reads = |wires: &Vec<Socket>| wires.iter().any(|wire| wire.node == *id);
@@ -379,6 +406,20 @@ pub fn without_hair(document: &Document) -> Document {
 /// The kind of node that writes hair, and that of one that says where on a head it grows.
 const OUTPUT: &str = "groom_output";
 const REGION: &str = "region";
+/// The kind that puts hair together.
+const MERGE: &str = "merge";
+
+/// Whether hair grows in what a node makes of a head, rather than in what it leaves of it.
+fn is_region(node: &Node) -> bool {
+    let outside = matches!(node.inputs.get("side"),
+        Some(Setting::Known(Value::Text(side))) if &**side == "outside");
+    node.kind == REGION && !outside
+}
+
+/// The regions in which hair grows.
+fn regions(document: &Document) -> impl Iterator<Item = &NodeId> {
+    document.nodes.iter().filter(|(_, node)| is_region(node)).map(|(id, _)| id)
+}
 
 /// Makes another kind of a node. Values keep their inputs where the new kind has one of that name
 /// that takes them; wires keep theirs by name, else go to the first free input, or come from the first

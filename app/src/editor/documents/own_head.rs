@@ -43,7 +43,7 @@ const UPS: [(&str, &str); 6] =
 impl Editor {
     /// A mesh is to become the head; over hair it is asked first whether that stays.
     pub(super) fn ask_mesh(&mut self, path: PathBuf) {
-        match wiring::has_hair(&self.state.document) {
+        match wiring::has_hair(&self.state.document, wiring::Hair::All) {
             true => self.documents.mesh = Some(path),
             false => self.try_mesh(&path, false),
         }
@@ -100,7 +100,7 @@ impl Editor {
     fn make(&mut self, placing: &Placing, drags: bool) -> bool {
         let Some(head) = &self.documents.head else { return false };
         let (node, path) = (head.node.clone(), head.path.clone());
-        let bare = head.bald.then(|| wiring::without_hair(&self.state.document));
+        let bare = head.bald.then(|| wiring::without_hair(&self.state.document, wiring::Hair::All));
         let mut edits: Vec<Edit> =
             bare.iter().map(|bare| between(&self.state.document, bare)).collect();
         let document = bare.as_ref().unwrap_or(&self.state.document);

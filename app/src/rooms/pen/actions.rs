@@ -730,7 +730,7 @@ fn join(pen: &mut Pen, state: &State, out: &mut Vec<Event>) {
 /// Makes a recipe on a bare head; over hair it is asked first whether that stays, but for what grows elsewhere.
 fn ask(pen: &mut Pen, state: &State, recipe: usize, out: &mut Vec<Event>) {
     let elsewhere = recipes::ALL.get(recipe).is_some_and(recipes::Recipe::grows_elsewhere);
-    match wiring::has_hair(&state.document) && !elsewhere {
+    match wiring::has_hair(&state.document, wiring::Hair::OfHead) && !elsewhere {
         true => {
             pen.asked = Some(recipe);
             out.push(Event::Show(Room::Viewport));

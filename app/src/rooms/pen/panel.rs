@@ -254,7 +254,10 @@ impl Pen {
         let at = self.asked.unwrap_or_default();
         let text = "There is hair on the head already.";
         let answers = [
-            ("Instead", "Remove the hair that is there. The head and its masks stay."),
+            (
+                "Instead",
+                "Remove the hair that is there. The head, its masks, and hair in regions of its own (brows, a beard) stay.",
+            ),
             ("As well", "Keep the hair that is there."),
         ];
         let answered = panel::question(recipe.label, "recipe over hair", text, &answers, ctx);

@@ -209,7 +209,7 @@ impl Recipe {
         mirror: bool,
         here: Option<&Landmarks>,
     ) -> Result<RecipeEdits, String> {
-        let bare = wiring::without_hair(document);
+        let bare = wiring::without_hair(document, wiring::Hair::OfHead);
         let made = self.edits(&bare, None, mirror, here)?;
         let edits = [between(document, &bare)].into_iter().chain(made.edits).collect();
         Ok(RecipeEdits { edits, ..made })

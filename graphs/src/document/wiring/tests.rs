@@ -211,10 +211,33 @@ fn without_hair_a_head_and_its_masks_stay_and_regions_go() {
         "fill.guides": "lines.curves", "out.curves": "fill.curves",
     })"#;
     let document = crate::file::read(text).unwrap().document;
-    let bare = without_hair(&document);
+    let bare = without_hair(&document, Hair::All);
     assert_eq!(bare.nodes.keys().cloned().collect::<BTreeSet<_>>(), ids("bust mask"));
+    assert!(has_hair(&document, Hair::All) && !has_hair(&bare, Hair::All));
     assert_eq!((bare.display, bare.links.len(), bare.title), (None, 1, document.title.clone()));
-    assert_eq!((has_hair(&document), has_hair(&without_hair(&document))), (true, false));
+}
+
+#[test]
+fn hair_of_the_head_goes_without_the_hair_of_regions() {
+    let text = r#"(format: 1, title: "x", nodes: {
+        "bust": (kind: "head"), "fill": (kind: "scatter_guides"), "out": (kind: "groom_output"),
+        "outline": (kind: "stroke_input"), "brow": (kind: "region"), "brows": (kind: "scatter_guides"),
+        "all": (kind: "merge"), "brows_out": (kind: "groom_output"),
+        "bare": (kind: "region", inputs: {"side": "outside"}), "all_out": (kind: "groom_output"),
+    }, links: {
+        "outline.scalp": "bust.scalp", "brow.scalp": "bust.scalp", "brow.outlines": "outline.curves",
+        "brows.scalp": "brow.scalp", "brows_out.curves": "brows.curves",
+        "bare.scalp": "bust.scalp", "fill.scalp": "bare.scalp", "out.curves": "fill.curves",
+        "all.curves": ["fill.curves", "brows.curves"], "all_out.curves": "all.curves",
+    })"#;
+    let document = crate::file::read(text).unwrap().document;
+    assert!(has_hair(&document, Hair::OfHead));
+    let bare = without_hair(&document, Hair::OfHead);
+    let left = ids("bust outline brow brows all brows_out bare all_out");
+    assert_eq!(bare.nodes.keys().cloned().collect::<BTreeSet<_>>(), left);
+    assert_eq!(bare.wires(&id("all"), "curves"), [socket("brows.curves")]);
+    assert!(has_hair(&bare, Hair::All) && !has_hair(&bare, Hair::OfHead));
+    assert_eq!(without_hair(&bare, Hair::OfHead), bare);
 }
 
 #[test]
