@@ -110,8 +110,8 @@ impl Keys {
         lines.map(|((_, id), keys)| (id.as_str(), &keys[..])).collect()
     }
 
-    /// Takes the keys that were pressed out of the input and gives what they do. Rooms go before what counts anywhere, more
-    /// modifiers before fewer. Keys after one that opens a field are left to that. `escapes`: Escape does something here.
+    /// Takes the keys that were pressed out of the input and gives what they do, once for each press. Rooms go before what counts
+    /// anywhere, more modifiers before fewer. Keys after one that opens a field are left to that. `escapes`: Escape does something here.
     pub fn pressed(&self, ctx: &egui::Context, room: Room, escapes: bool) -> Vec<&'static str> {
         let typing = ctx.egui_wants_keyboard_input();
         let mut lines: Vec<(Context, &str, KeyboardShortcut)> = self
@@ -148,10 +148,22 @@ impl Keys {
             if (typing && types_text(&keys)) || (!escapes && keys == escape) {
                 continue;
             }
-            if ctx.input_mut(|input| input.consume_shortcut(&keys))
-                && let Some(action) = actions::by_id(id)
-            {
-                done.push(action.id);
+            // In a slow frame a key may be pressed more than once. One that is held repeats once a frame, or it would run away.
+            let (mut presses, mut repeats) = (0, 0);
+            ctx.input_mut(|input| {
+                input.events.retain(|event| match event {
+                    Event::Key { key, pressed: true, modifiers, repeat, .. }
+                        if *key == keys.logical_key
+                            && modifiers.matches_logically(keys.modifiers) =>
+                    {
+                        *if *repeat { &mut repeats } else { &mut presses } += 1;
+                        false
+                    }
+                    _ => true,
+                });
+            });
+            if let Some(action) = actions::by_id(id) {
+                done.extend(std::iter::repeat_n(action.id, presses + repeats.min(1)));
             }
         }
         ctx.input_mut(|input| input.events.extend(later));
@@ -231,6 +243,35 @@ mod tests {
     fn shipped_keys_read_and_do_one_thing_each() {
         let keys = Keys::shipped().expect("keys.ron reads");
         assert_eq!(keys.clashes(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn each_press_within_a_slow_frame_counts_and_a_held_key_repeats_once() {
+        #[track_caller]
+        fn check(frames: &[&[bool]], expected: &[usize]) {
+            let (ctx, keys) = (egui::Context::default(), Keys::shipped().unwrap());
+            let key = |pressed: bool| Event::Key {
+                key: Key::CloseBracket,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            };
+            let times = frames.iter().map(|events| {
+                let events = events.iter().map(|pressed| key(*pressed)).collect();
+                ctx.begin_pass(egui::RawInput { events, ..Default::default() });
+                let done = keys.pressed(&ctx, Room::Viewport, true);
+                let _ = ctx.end_pass();
+                assert!(done.iter().all(|id| *id == "pen.brush_larger"), "{done:?}");
+                done.len()
+            });
+            assert_eq!(times.collect::<Vec<_>>(), expected, "{frames:?}");
+        }
+        check(&[&[true, false]], &[1]);
+        check(&[&[true, false, true, false, true, false]], &[3]);
+        // Held: the system presses it again without a release.
+        check(&[&[true], &[true, true, true], &[true, false], &[]], &[1, 1, 1, 0]);
+        check(&[&[true, true, true, false, true]], &[3]);
     }
 
     #[test]
