@@ -1,6 +1,6 @@
 //! The canvas's part of the table of actions.
 
-use super::{Canvas, Clipboard};
+use super::{Canvas, Clipboard, commands};
 use crate::core::action::{Action, Can, Of, always};
 use crate::core::event::Event;
 use crate::core::faces::arrange::Alignment;
@@ -95,7 +95,18 @@ const STEPS: [Of<Canvas>; 8] = steps! {
 };
 
 /// What can be done on the canvas by name.
-pub(crate) const ACTIONS: &[&[Of<Canvas>]] = &[&NODES, &VIEWS, &STEPS];
+pub(crate) const ACTIONS: &[&[Of<Canvas>]] = &[&NODES, &VIEWS, &STEPS, &PUFFS];
+
+/// Listed among the recipes of the pen, where who looks for puffs looks.
+const PUFFS: [Of<Canvas>; 1] = [Action {
+    id: "recipe.puffs_at_ends",
+    label: "Puffs at the ends of braids",
+    tip: "Add a puff at the end of each braid, row or twist, as large as its neighbours leave room for.",
+    words: "cornrows bunches pom tips afro",
+    menu: "Pen",
+    when: |_, state| commands::braid(state).map(|_| ()).ok_or("there are no braids"),
+    run: |canvas, state, out| out.extend(canvas.puffs_at_ends(state)),
+}];
 
 const NODES: [Of<Canvas>; 31] = [
     node(

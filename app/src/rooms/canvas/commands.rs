@@ -2,7 +2,7 @@
 
 use super::Canvas;
 use super::edits::{self, Link};
-use super::finder::{Finder, Task};
+use super::finder::{Finder, FinderChoice, Task};
 use super::naming::{Naming, RenameTarget};
 use super::wires::{Wire, of_output};
 use crate::core::event::Event;
@@ -149,6 +149,18 @@ pub(super) fn put_frame(
     edited(Edit::Several(edits))
 }
 
+/// The braids that are meant: those of the active node, else of the first in sight that makes some.
+pub(super) fn braid(state: &State) -> Option<Socket> {
+    let document = &state.document;
+    let makes = |id: &&NodeId| document.node(id.as_str()).is_some_and(|node| node.kind == BRAID);
+    let mut shown = document.nodes.keys().filter(|id| id.group() == state.group);
+    let braid = state.active().filter(makes).or_else(|| shown.find(makes))?;
+    Some(Socket::new(braid.clone(), "curves"))
+}
+
+/// The kind of node that braids.
+const BRAID: &str = "lissajous_braid";
+
 /// What a node gives that others can be made of: of parameters the hair that is made by them.
 fn gives(document: &Document, id: &NodeId) -> Option<Socket> {
     let kind = |id: &NodeId| document.node(id.as_str()).map_or("", |node| node.kind.as_str());
@@ -205,6 +217,19 @@ impl Canvas {
     fn beside(&mut self, state: &State, id: &NodeId) -> Pos2 {
         let faces = self.cache.of(state);
         self.opens_at(&faces, Some(id))
+    }
+
+    /// Puffs grow at the tips of the braids, joined with their hair.
+    pub(super) fn puffs_at_ends(&mut self, state: &State) -> Vec<Event> {
+        let (mut out, faces) = (vec![], self.cache.of(state));
+        let puff = coif_nodes::by_id("sphere_puff");
+        if let Some((def, braid)) = puff.zip(braid(state)) {
+            let corner = faces.rect(&braid.node).unwrap_or(Rect::ZERO).right_top();
+            let task = Task::Add { at: corner, link: Some(Link::From(braid)), dropped: false };
+            let at_tips = Some((edits::PLACES_AT, "tips"));
+            self.picked(state, &faces, &task, FinderChoice::Kind(def, true, at_tips), &mut out);
+        }
+        out
     }
 
     /// Where a search opens: at the pointer, else beside a node where it is in sight, else in the middle.

@@ -69,7 +69,7 @@ impl Canvas {
     }
 
     /// Something was picked in the search.
-    fn picked(
+    pub(super) fn picked(
         &mut self,
         state: &State,
         faces: &Faces,

@@ -7,7 +7,8 @@ use crate::editor::Editor;
 use crate::testing::until;
 use crate::waiting::ends;
 use crate::work::count;
-use coif_graphs::document::Socket;
+use coif_graphs::document::{Setting, Socket};
+use coif_nodes::define::Value;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable as _;
 
@@ -108,6 +109,26 @@ fn a_wire_dropped_on_nothing_searches_what_fits() {
     let end = place(&w, "Cluster to strands: curves input");
     assert!(end.distance(away) < 24.0, "{end:?} {away:?}");
     steps(&w, 1);
+}
+
+#[test]
+fn puffs_at_the_ends_of_braids_are_one_action_and_are_joined_with_their_hair() {
+    let mut w = window(document("cornrows"));
+    w.run_steps(2);
+    let desk = w.state_mut();
+    for event in desk.canvas.puffs_at_ends(&desk.state) {
+        desk.apply(event);
+    }
+    steps(&w, 1);
+    assert_eq!(wired(&w, "sphere_puff.placements"), ["braid.curves"]);
+    assert_eq!(wired(&w, "sphere_puff.scalp"), wired(&w, "braid.scalp"));
+    assert_eq!(wired(&w, "merge.curves").last().map(String::as_str), Some("sphere_puff.curves"));
+    let puff = &w.state().state.document.nodes["sphere_puff"].inputs;
+    assert_eq!(puff["at"], Setting::Known(Value::Text("tips".into())));
+    // Where nothing is braided there is nothing to do.
+    let mut bare = unwired();
+    bare.nodes.remove("braid");
+    assert!(commands::braid(&window(bare).state().state).is_none());
 }
 
 #[test]
