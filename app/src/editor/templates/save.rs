@@ -29,6 +29,7 @@ const WIDTH: f32 = 380.0;
 
 /// What is typed into the panel.
 pub(crate) struct SaveTemplate {
+    choices: Vec<MadeOf>,
     of: MadeOf,
     title: String,
     /// Follows the title until it is typed.
@@ -54,24 +55,28 @@ struct InputChoice {
 }
 
 impl SaveTemplate {
-    /// For what is selected: a group, several nodes, else the whole groom.
-    fn new(state: &State) -> Self {
-        let document = &state.document;
+    /// What it can be made of: what is selected, and the whole groom. A group and several nodes come first; a single node is more often
+    /// selected for its values.
+    fn choices(state: &State) -> Vec<MadeOf> {
         let nodes = &state.selection.nodes;
         let group = state.active().filter(|_| nodes.len() == 1);
-        let group = group.filter(|id| document.node(id.as_str()).is_some_and(Node::is_group));
-        let (of, title) = match group {
-            Some(group) => (MadeOf::Group(group.clone()), document.name_of(group).into_owned()),
-            None if nodes.len() > 1 => (MadeOf::Nodes(nodes.clone()), String::new()),
-            None => (MadeOf::All, document.title.clone()),
-        };
-        let note = group.and_then(|id| document.node(id.as_str())).map(|node| node.note.clone());
+        let is_group = |id: &&NodeId| state.document.node(id.as_str()).is_some_and(Node::is_group);
+        match group.filter(is_group) {
+            Some(group) => vec![MadeOf::Group(group.clone()), MadeOf::All],
+            None if nodes.is_empty() => vec![MadeOf::All],
+            None if nodes.len() == 1 => vec![MadeOf::All, MadeOf::Nodes(nodes.clone())],
+            None => vec![MadeOf::Nodes(nodes.clone()), MadeOf::All],
+        }
+    }
+
+    fn new(state: &State) -> Self {
         let mut new = Self {
-            of,
-            title,
+            choices: Self::choices(state),
+            of: MadeOf::All,
+            title: String::new(),
             name: None,
             version: "1.0".to_owned(),
-            description: note.unwrap_or_default(),
+            description: String::new(),
             author: String::new(),
             licence: String::new(),
             draws: true,
@@ -79,11 +84,26 @@ impl SaveTemplate {
             inputs: vec![],
             said: None,
         };
-        match new.template().grouped(document) {
-            Ok((grouped, group)) => new.inputs = inputs(&grouped, &group),
-            Err(why) => new.said = Some(why),
-        }
+        new.turn_to(state, new.choices[0].clone());
         new
+    }
+
+    /// Is made of something else: title, description and inputs are those of that.
+    fn turn_to(&mut self, state: &State, of: MadeOf) {
+        let document = &state.document;
+        (self.title, self.description) = match &of {
+            MadeOf::Group(group) => {
+                let note = document.node(group.as_str()).map(|node| node.note.clone());
+                (document.name_of(group).into_owned(), note.unwrap_or_default())
+            }
+            MadeOf::Nodes(_) => Default::default(),
+            MadeOf::All => (document.title.clone(), String::new()),
+        };
+        self.of = of;
+        (self.inputs, self.said) = match self.template().grouped(document) {
+            Ok((grouped, group)) => (inputs(&grouped, &group), None),
+            Err(why) => (vec![], Some(why)),
+        };
     }
 
     fn name(&self) -> String {
@@ -210,14 +230,23 @@ impl Editor {
             |ui| {
                 panel::body(ui, WIDTH, |ui| {
                     ui.set_max_width(WIDTH);
-                    let what = match &asked.of {
-                        MadeOf::All => "The whole groom, without its head.".to_owned(),
-                        MadeOf::Group(id) => {
-                            format!("The group {}.", self.state.document.name_of(id))
+                    for of in asked.choices.clone() {
+                        let what = match &of {
+                            MadeOf::All => "The whole groom, without its head".to_owned(),
+                            MadeOf::Group(id) => {
+                                format!("The group {}", self.state.document.name_of(id))
+                            }
+                            MadeOf::Nodes(nodes) => match nodes.first() {
+                                Some(one) if nodes.len() == 1 => {
+                                    format!("The node {}", self.state.document.name_of(one))
+                                }
+                                _ => format!("The {} selected nodes", nodes.len()),
+                            },
+                        };
+                        if ui.radio(asked.of == of, what).clicked() && asked.of != of {
+                            asked.turn_to(&self.state, of);
                         }
-                        MadeOf::Nodes(nodes) => format!("{} selected nodes.", nodes.len()),
-                    };
-                    ui.label(RichText::new(what).color(theme::QUIET.of(ui)));
+                    }
                     fields(ui, &mut asked, folders);
                     exposed(ui, &mut asked.inputs);
                     let draws = Checkbox::new(&mut asked.draws, "Render a thumbnail");
