@@ -11,6 +11,7 @@ use crate::data::scalp::Scalp;
 use crate::define::{FieldInput, NodeError};
 use crate::eval::{EvalCx, Size};
 use crate::maths::hash::{Key, KeyBuilder};
+use crate::maths::nearest::KdTree;
 use crate::maths::spline::Spline;
 use glam::{Mat3, Vec3};
 use std::f32::consts::PI;
@@ -20,6 +21,13 @@ use std::sync::Arc;
 const MEASURE: f32 = 20.0;
 /// Fewer of them tell no shape.
 const FEW: usize = 8;
+
+/// How much farther than beside them hair is rooted between clusters.
+const BETWEEN: f32 = 2.0;
+/// A place lies between two clusters if the cosine of the angle at which it sees them is below this: 120 degrees. So many clusters
+/// about it are looked at.
+const OPPOSITE: f32 = -0.5;
+const ABOUT: usize = 12;
 
 /// What a cluster asks of its cell.
 #[derive(Clone, Copy, Default)]
@@ -80,7 +88,7 @@ impl ClusterCell {
 }
 
 impl Cells {
-    /// Cells that reach `fill` cm beyond the discs of clusters, for strands of so many points.
+    /// Cells that reach `fill` cm beyond the discs of clusters, and [`BETWEEN`] times as far between them, for strands of so many points.
     pub(super) fn new(
         cx: &EvalCx,
         curves: &Curves,
@@ -91,7 +99,7 @@ impl Cells {
         let area = scalp.spread().area();
         let densest = asked.iter().map(|one| one.density).fold(0.0, f32::max);
         let reached = |one: &CellParams| {
-            let reach = one.radius + fill;
+            let reach = one.radius + BETWEEN * fill;
             f64::from(one.density * PI * reach * reach)
         };
         let strands = asked.iter().map(reached).sum::<f64>().min(f64::from(densest) * area);
@@ -117,7 +125,7 @@ impl Cells {
             mask: &everywhere,
             points,
             neighbours: 1,
-            reach: most(|one| one.radius) + fill,
+            reach: most(|one| one.radius) + BETWEEN * fill,
             seed,
         };
         let guide = |number: &usize| {
@@ -126,6 +134,18 @@ impl Cells {
         };
         let guides: Vec<Arc<Tuft>> = sharing.iter().map(guide).collect();
         let plan = Plan::of(cx, &guides, scalp, &params)?;
+        let rooted = KdTree::new(guides.iter().map(|guide| guide.points()[0]));
+        // Whether another cluster stands on the side away from this one.
+        let is_between = |p: Vec3, root: Vec3| {
+            let (mut near, to) = (vec![], (root - p).normalize_or_zero());
+            rooted.find(p, ABOUT, &mut near);
+            let reach = params.reach * params.reach;
+            let opposite = |at: usize| {
+                let other = (guides[at].points()[0] - p).normalize_or_zero();
+                other.dot(to) < OPPOSITE
+            };
+            near.iter().any(|(square, at)| *square <= reach && opposite(*at as usize))
+        };
         let mut of: Vec<Option<ClusterCell>> = all.iter().map(|_| None).collect();
         for group in &plan.groups {
             let number = sharing[group.guides[0] as usize];
@@ -137,7 +157,10 @@ impl Cells {
                 .hairs
                 .iter()
                 .map(|at| (plan.hair(*at).0, *at))
-                .filter(|(hair, _)| hair.point.distance(root) <= radius + fill)
+                .filter(|(hair, _)| {
+                    let beyond = hair.point.distance(root) - radius;
+                    beyond <= fill || beyond <= BETWEEN * fill && is_between(hair.point, root)
+                })
                 .collect();
             let up_to = |last: u32| near.iter().filter(move |(hair, _)| hair.index < last);
             let hairs: Vec<HairIndex> = up_to(listed(density)).map(|(_, at)| *at).collect();
@@ -171,7 +194,7 @@ impl Cells {
 
 #[cfg(test)]
 mod tests {
-    use crate::data::attributes::{PARENT, ROOT_BARY, ROOT_TRIANGLE};
+    use crate::data::attributes::{Domain, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE};
     use crate::data::curves::{Curves, Tuft};
     use crate::data::scalp::Scalp;
     use crate::define::Value;
@@ -283,6 +306,47 @@ mod tests {
             let [least, most] = [middle[0], middle[middle.len() - 1]];
             assert!(least > if parted { 0.6 } else { 0.75 } && most < 1.3, "{least} {most}");
         }
+    }
+
+    #[test]
+    fn between_clusters_hair_fills_twice_as_far_as_beside_them() {
+        let scalp = head(false);
+        // Seven in a ring about the crown, and a row along the middle of the head.
+        let grown = |at: Vec<Vec3>| {
+            let tuft = |(n, p): (usize, Vec3)| {
+                let root = scalp.closest_root(p).unwrap();
+                let mut b = crate::data::curves::TuftBuilder::new();
+                let points: Vec<Vec3> =
+                    (0..8).map(|k| root.point + root.normal * k as f32).collect();
+                b.push_curve(&points);
+                b.set(ID, Domain::Curve, vec![n as u64 + 1]);
+                Arc::new(b.build())
+            };
+            Curves::new(at.into_iter().enumerate().map(tuft).collect())
+        };
+        let barest = |clusters: &Curves, fill: f32, p: Vec3| {
+            let p = scalp.closest_root(p).unwrap().point;
+            let hair = roots(&filled(&scalp, clusters, fill));
+            hair.iter().map(|root| root.distance(p)).fold(f32::MAX, f32::min)
+        };
+        let frame = scalp.frame();
+        let top = frame.origin + frame.up * 20.0;
+        let ring = (0..7).map(|k| {
+            let (sin, cos) = crate::maths::transcendental::sin_cos(k as f32 * 0.9);
+            frame.origin + Vec3::new(6.0 * cos, 6.0, 6.0 * sin)
+        });
+        let ring = grown(ring.collect());
+        assert!(barest(&ring, 2.0, top) > 1.0, "too far for this");
+        assert!(barest(&ring, 4.0, top) < 0.5, "{}", barest(&ring, 4.0, top));
+        // Beside a row, hair reaches no farther than it is told to.
+        let row = grown((0..6).map(|k| Vec3::new(0.0, 20.0, 5.0 - 2.5 * k as f32)).collect());
+        let hair = roots(&filled(&scalp, &row, 3.0));
+        let far = |p: &Vec3| {
+            let each = row.tufts().iter().map(|tuft| tuft.points()[0].distance(*p));
+            each.fold(f32::MAX, f32::min)
+        };
+        let astray: Vec<&Vec3> = hair.iter().filter(|p| far(p) > 4.01).collect();
+        assert!(hair.len() > 500 && astray.is_empty(), "{}: {astray:?}", hair.len());
     }
 
     #[test]

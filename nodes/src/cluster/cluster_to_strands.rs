@@ -55,8 +55,8 @@ node! {
         /// it along the cluster.
         radius: FieldInput = Field::Attribute(RADIUS.name.to_owned()),
             hard(0.0, 100.0), soft(0.05, 3.0), unit(Length), words("thickness size"), handle(Handle::Radius);
-        /// How far beyond its disc hair is rooted, so that no gap between clusters and to the hairline stays bald: each place of the
-        /// skin goes to the cluster rooted nearest, in its own section. 0: discs alone.
+        /// How far beyond its disc hair is rooted, up to twice as far between clusters, so that no gap between them and to the hairline
+        /// stays bald: each place of the skin goes to the cluster rooted nearest, in its own section. 0: discs alone.
         fill: f32 = 0.0, hard(0.0, 100.0), soft(0.0, 5.0), unit(Length), words("gaps bald between whole region cover reach hairline"),
             idle(|of| matches!(of("count"), Some(Value::Int(1..))).then_some("an exact number of strands is rooted in the disc"));
         /// Diameter of the hair. Set width tapers it.
