@@ -479,7 +479,11 @@ mod tests {
                 }
                 same += usize::from(beside && root.y < end && (long / before - 1.0).abs() < 0.1);
             }
-            assert!(shorter >= crossing && same >= beyond, "{left}: {shorter} {same} of {}", is.len());
+            assert!(
+                shorter >= crossing && same >= beyond,
+                "{left}: {shorter} {same} of {}",
+                is.len()
+            );
         }
     }
 

@@ -273,16 +273,17 @@ impl Scene<'_> {
     fn pressed(&mut self, face: &Face, response: &egui::Response, ui: &Ui) {
         let selection = &self.state.selection;
         let ctrl = ui.input(|i| i.modifiers.command);
+        let shift = ui.input(|i| i.modifiers.shift);
         let only = || Event::Select(Select::Nodes(vec![face.id.clone()]));
         if response.clicked()
             && !ctrl
+            && !shift
             && selection.nodes.len() > 1
             && selection.nodes.contains(&face.id)
         {
             self.out.push(only());
         }
         let pressed = ui.input(|i| i.pointer.primary_pressed());
-        let shift = ui.input(|i| i.modifiers.shift);
         if response.clicked() && pressed && !response.is_pointer_button_down_on() {
             // Press and release came within one frame, of a touchpad or while frames are slow: the crate saw no press.
             self.memory.select_frame(None);

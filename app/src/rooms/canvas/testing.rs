@@ -129,7 +129,7 @@ pub(crate) fn release(window: &mut Window, at: Pos2, modifiers: Modifiers) {
     window.run_steps(2);
 }
 
-fn button(pos: Pos2, pressed: bool, modifiers: Modifiers) -> egui::Event {
+pub(crate) fn button(pos: Pos2, pressed: bool, modifiers: Modifiers) -> egui::Event {
     egui::Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers }
 }
 

@@ -454,6 +454,34 @@ fn a_box_selects_nodes_and_a_click_beside_them_nothing() {
 }
 
 #[test]
+fn a_click_with_shift_adds_to_the_selection() {
+    for (quick, boxed) in [(true, false), (false, false), (true, true), (false, true)] {
+        let mut w = window(document("cornrows"));
+        let [a, b, c] = ["rows: node", "cornrows: node", "hair in the braids: node"]
+            .map(|name| place(&w, name));
+        match boxed {
+            true => drag(&mut w, &[a - vec2(95.0, 60.0), b + vec2(20.0, 70.0)], Modifiers::NONE),
+            false => click(&mut w, a, 1),
+        }
+        let before = w.state().state.selection.nodes.clone();
+        assert_eq!(before.len(), if boxed { 2 } else { 1 });
+        match quick {
+            true => {
+                w.event(egui::Event::ModifiersChanged(SHIFT));
+                w.event(egui::Event::PointerMoved(c));
+                w.run_steps(2);
+                w.event(button(c, true, SHIFT));
+                w.event(button(c, false, SHIFT));
+                w.run_steps(3);
+            }
+            false => drag(&mut w, &[c, c], SHIFT),
+        }
+        let now = &w.state().state.selection.nodes;
+        assert!(now.is_superset(&before) && now.contains(&id("fill")), "{quick} {boxed}: {now:?}");
+    }
+}
+
+#[test]
 fn a_box_with_shift_selects_wires() {
     let mut w = window(document("cornrows"));
     let at = place(&w, "hair in the braids: curves output") + vec2(20.0, 0.0);

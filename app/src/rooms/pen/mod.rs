@@ -382,13 +382,13 @@ impl Pen {
     ) -> Vec<(Input, bool)> {
         let ctx = ui.ctx();
         // egui's pointer may trail a pen by a frame, or have left a button already when a slow frame ends; what it is over counts where
-        // both are at one place.
+        // both are at one place. Over a button that is only clicked it is over the picture too, which is dragged.
         let pointer = ctx.input(|input| input.pointer.hover_pos());
         let free = |at: Pos2| {
             let known = pointer.is_some_and(|p| p.distance(at) < devices::SAME_PLACE);
             let layer = ctx.layer_id_at(at).is_none_or(|layer| layer == ui.layer_id());
             let seen = view.rect.intersect(ui.clip_rect());
-            seen.contains(at) && layer && if known { hovered } else { is_on_picture(ui, at) }
+            seen.contains(at) && layer && is_on_picture(ui, at) && (hovered || !known)
         };
         let pixels_per_point = ctx.pixels_per_point();
         let inputs = ctx.input(|input| {

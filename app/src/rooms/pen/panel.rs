@@ -67,11 +67,17 @@ impl Pen {
         act(icons::SETTINGS, self.settings_open, "pen.settings", ui);
         let menu = ui.menu_button("Recipes", |ui| {
             panel::list(ui, |ui| {
-                for recipe in &recipes::ALL {
-                    if ui.button(recipe.label).on_hover_text(recipe.tip).clicked() {
-                        out.push(Event::Act(recipe.action));
+                let mut entry = |label, tip, action, ui: &mut Ui| {
+                    if ui.button(label).on_hover_text(tip).clicked() {
+                        out.push(Event::Act(action));
                         ui.close();
                     }
+                };
+                for recipe in &recipes::ALL {
+                    entry(recipe.label, recipe.tip, recipe.action, ui);
+                }
+                if let Some(puffs) = (state.table)("recipe.puffs_at_ends") {
+                    entry(puffs.label, puffs.tip, puffs.id, ui);
                 }
             });
         });

@@ -710,3 +710,35 @@ fn what_stands_on_the_picture_is_pressed_and_not_drawn_on_however_slow_a_frame_i
     table.rest();
     assert!(table.editor().pen.said.is_some());
 }
+
+#[test]
+fn an_entry_of_a_menu_over_the_picture_is_picked_and_not_drawn_on_however_slow_a_frame_is() {
+    use egui::{Event, PointerButton};
+    use egui_kittest::kittest::Queryable;
+    let mut table = draw_on(head());
+    table.editor().act("hair.implant");
+    table.rest();
+    // All within one frame, and each in one of its own.
+    for slow in [true, false] {
+        for label in ["From \u{23f7}", "Left"] {
+            let at = table.harness.get_by_label_contains(label).rect().center();
+            let press = |pressed| Event::PointerButton {
+                pos: at,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            };
+            for event in [Event::PointerMoved(at), press(true), press(false)] {
+                table.harness.input_mut().events.push(event);
+                if !slow {
+                    table.step();
+                }
+            }
+            table.step();
+            table.step();
+        }
+        table.rest();
+        let said = table.editor().pen.said.take().map(|said| said.text);
+        assert_eq!((said, table.done()), (None, 0), "slow: {slow}");
+    }
+}

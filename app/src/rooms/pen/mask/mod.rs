@@ -52,9 +52,10 @@ fn rounded(x: f32) -> f32 {
     (x * 100.0).round() / 100.0
 }
 
-/// What a touch begins; nothing beside the head.
+/// What a touch begins.
 pub(super) fn begin(mode: Mode, report: &Report, scene: &mut Scene) -> Begun {
-    let Some(hit) = skin(scene.scalp, scene.view, report.pos) else { return Ok(None) };
+    let hit = skin(scene.scalp, scene.view, report.pos);
+    let hit = hit.ok_or("A mask is painted on the head: begin on the skin, not beside it")?;
     let made = scene.node.clone().map(|node| (node, vec![]));
     let made = made.or_else(|| target::make(scene.state));
     let made = made.ok_or("there is no head to paint on: add a head to the graph")?;
@@ -143,7 +144,8 @@ pub(super) fn half(scene: &Scene) -> f32 {
 
 /// What lies under a touch: heat on the head.
 pub(super) fn under(painter: &Painter, scene: &mut Scene) {
-    let field = scene.node.as_ref().and_then(|node| target::field(scene.state, node));
+    let Some(node) = scene.node.as_ref() else { return scene.mask.heat = Heat::default() };
+    let field = target::field(scene.state, node);
     if scene.mask.heat.follow(field, scene.scalp) {
         painter.ctx().request_repaint();
     }
@@ -154,7 +156,7 @@ impl Pen {
     /// What a tool that paints needs.
     pub(super) fn mask_settings(&mut self, mode: Mode, settings: &mut PenSettings, ui: &mut Ui) {
         let mut number = |value: &mut f32, range, prefix: &str, unit: &str, tip: &str| {
-            let drag = egui::DragValue::new(value).range(range).speed(0.02);
+            let drag = egui::DragValue::new(value).range(range).speed(0.02).max_decimals(2);
             ui.add(drag.prefix(prefix.to_owned()).suffix(unit.to_owned())).on_hover_text(tip);
         };
         if mode != Mode::Flood {

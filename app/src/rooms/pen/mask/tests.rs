@@ -163,7 +163,7 @@ fn pressure_strength_size_and_the_tools_say_what_a_stroke_does() {
 }
 
 #[test]
-fn escape_takes_back_a_touch_and_one_beside_the_head_does_nothing() {
+fn escape_takes_back_a_touch_and_one_beside_the_head_says_where_to_begin() {
     let mut studio = Studio::open(head(), "mask.paint");
     let before = studio.0.editor().state.document.clone();
     studio.begin(&LINE, 1.0, End::Tip);
@@ -173,8 +173,11 @@ fn escape_takes_back_a_touch_and_one_beside_the_head_does_nothing() {
     studio.0.harness.key_up(egui::Key::Escape);
     studio.lift(LINE[2]);
     assert_eq!(studio.0.editor().state.document, before);
+    assert_eq!(studio.heat(LINE[1]), 0.0, "without a mask nothing is hot");
     studio.paint(&[[20.0, 20.0], [60.0, 20.0]], 1.0);
     assert_eq!((studio.0.editor().state.document == before, studio.0.done()), (true, 0));
+    let said = studio.0.editor().pen.said.take().expect("why not").text;
+    assert!(said.contains("begin on the skin"), "{said}");
 }
 
 #[test]
