@@ -174,7 +174,7 @@ fn escape_takes_back_a_touch_and_one_beside_the_head_says_where_to_begin() {
     studio.lift(LINE[2]);
     assert_eq!(studio.0.editor().state.document, before);
     assert_eq!(studio.heat(LINE[1]), 0.0, "without a mask nothing is hot");
-    studio.paint(&[[20.0, 20.0], [60.0, 20.0]], 1.0);
+    studio.paint(&[[20.0, 300.0], [60.0, 300.0]], 1.0);
     assert_eq!((studio.0.editor().state.document == before, studio.0.done()), (true, 0));
     let said = studio.0.editor().pen.said.take().expect("why not").text;
     assert!(said.contains("begin on the skin"), "{said}");
