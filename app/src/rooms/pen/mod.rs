@@ -243,7 +243,7 @@ struct Said {
 /// What tools read and change in a frame.
 struct Scene<'a> {
     state: &'a State,
-    view: &'a Projection,
+    view: Projection,
     scalp: &'a Arc<Scalp>,
     /// The node that the tool in hand fills, where there is one, and its strokes.
     node: Option<NodeId>,
@@ -344,7 +344,7 @@ impl Pen {
         let shown = fills != Fills::Hair || self.hair.is_shown(state);
         let mut scene = Scene {
             state,
-            view,
+            view: *view,
             scalp,
             node,
             strokes,

@@ -70,7 +70,7 @@ fn filled(tool: PenTool, scene: &mut Scene) -> String {
 /// The strokes, and what a touch would pick now.
 fn strokes(tool: PenTool, still: Option<Input>, painter: &Painter, scene: &mut Scene) {
     if tool == PenTool::Draw {
-        scene.hairline.paint(painter, scene.view, scene.scalp);
+        scene.hairline.paint(painter, &scene.view, scene.scalp);
     }
     let reach = match tool {
         PenTool::Points => Some(scene.reach),
@@ -168,7 +168,7 @@ fn cursor(tool: PenTool, input: &Input, still: bool, painter: &Painter, scene: &
 
 /// The disc of a brush on the skin under the pen.
 pub(super) fn brush(painter: &Painter, scene: &Scene, at: Pos2, radius: f32, colour: Color32) {
-    let hit = skin(scene.scalp, scene.view, at);
+    let hit = skin(scene.scalp, &scene.view, at);
     let disc = hit.map_or(vec![], |hit| disc(scene.scalp, &hit, radius));
     let mut ring: Vec<Pos2> = disc.iter().filter_map(|p| scene.view.screen(*p)).collect();
     ring.extend(ring.first().copied());

@@ -56,7 +56,7 @@ pub(super) fn shown(state: &State) -> Option<&Curves> {
 /// Paints what is found over the picture, where the head does not hide it.
 pub(super) fn paint(painter: &Painter, scene: &Scene) {
     let Some(found) = shown(scene.state) else { return };
-    let view = super::hair::seen_from(scene.view, scene.scalp.frame());
+    let view = super::hair::seen_from(&scene.view, scene.scalp.frame());
     let seen = Seen::new(&view, scene.scalp.frame());
     for (tuft, i) in found.each() {
         let place = |p: &Vec3| seen.sees(scene.scalp, *p).then(|| scene.view.screen(*p)).flatten();

@@ -95,14 +95,14 @@ fn draw(sample: &PenSample, scene: &Scene) -> Begun {
         None => (target::make(document, both).ok_or(OFF_THE_HEAD)?, "stroke drawn".to_owned()),
     };
     let (lie, others) = (scene.lie(), &scene.strokes);
-    let line = GrowingStroke::begin(scene.scalp, scene.view, sample, lie, both, others);
+    let line = GrowingStroke::begin(scene.scalp, &scene.view, sample, lie, both, others);
     let work = Draw(line.ok_or(OFF_THE_HEAD)?);
     Ok(Some(Touch::new(made, Fills::Strokes, words, work, scene)))
 }
 
 impl Work for Draw {
     fn go_on(&mut self, sample: &PenSample, scene: &Scene) {
-        self.0.add(scene.view, sample);
+        self.0.add(&scene.view, sample);
     }
     fn wants(&mut self, _: &TouchStep, _: &Scene) -> Wanted {
         vec![(self.0.id(), self.0.stroke().map(DrawnItem::Stroke))]
@@ -166,14 +166,14 @@ fn redraw(sample: &PenSample, scene: &mut Scene) -> Option<Touch> {
     let id = near.or_else(|| scene.picked.touched().first().copied())?;
     let of = scene.strokes.0.iter().find(|stroke| stroke.id == id)?.clone();
     let (lie, others) = (scene.lie(), &scene.strokes);
-    let line = GrowingStroke::begin(scene.scalp, scene.view, sample, lie, false, others)?;
+    let line = GrowingStroke::begin(scene.scalp, &scene.view, sample, lie, false, others)?;
     *scene.picked = StrokeSelection::of_stroke(id);
     touch("a stroke re-drawn", Redraw { line, of }, scene)
 }
 
 impl Work for Redraw {
     fn go_on(&mut self, sample: &PenSample, scene: &Scene) {
-        self.line.add(scene.view, sample);
+        self.line.add(&scene.view, sample);
     }
     fn wants(&mut self, _: &TouchStep, _: &Scene) -> Wanted {
         let stroke = whole::redrawn(&self.of, self.line.samples(), REDRAW);
@@ -264,7 +264,7 @@ impl Move {
 
     /// How far the grabbed point is to go.
     fn way(&self, scene: &Scene) -> Option<Vec3> {
-        let (by, view) = (self.by?, scene.view);
+        let (by, view) = (self.by?, &scene.view);
         match scene.state.settings.pen.along {
             // The way is from the scalp under the grabbed point, which may hang over it.
             Along::Scalp => {
@@ -338,7 +338,7 @@ struct Erase(BTreeSet<u64>);
 impl Work for Erase {
     fn go_on(&mut self, sample: &PenSample, scene: &Scene) {
         let middle = scene.scalp.frame().origin;
-        let at = on_scalp(scene.scalp, scene.view, sample.pos, middle).unwrap_or(middle);
+        let at = on_scalp(scene.scalp, &scene.view, sample.pos, middle).unwrap_or(middle);
         let scale = scene.view.cm_per_point(scene.view.depth(at)).max(1e-6);
         let reach = (scene.state.settings.pen.brush() / scale).clamp(4.0, 400.0);
         self.0.extend(scene.shapes.strokes_near(sample.pos, reach));
@@ -367,14 +367,14 @@ struct Path {
 
 fn brush(tool: PenTool, sample: &PenSample, scene: &Scene) -> Option<Touch> {
     let smooth = tool == PenTool::Smooth || scene.modifiers.shift;
-    let last = on_scalp(scene.scalp, scene.view, sample.pos, scene.scalp.frame().origin)?;
+    let last = on_scalp(scene.scalp, &scene.view, sample.pos, scene.scalp.frame().origin)?;
     let words = if smooth { "strokes smoothed" } else { "strokes combed" };
     touch(words, Brush { smooth, last, paths: BTreeMap::new() }, scene)
 }
 
 impl Work for Brush {
     fn go_on(&mut self, sample: &PenSample, scene: &Scene) {
-        let Some(at) = on_scalp(scene.scalp, scene.view, sample.pos, self.last) else { return };
+        let Some(at) = on_scalp(scene.scalp, &scene.view, sample.pos, self.last) else { return };
         let from = std::mem::replace(&mut self.last, at);
         if sample.phase == Phase::Up {
             return;

@@ -13,6 +13,7 @@ use super::sample::{PenSample, Phase};
 use super::target::{self, Fills};
 use super::{PenTool, Scene, hair, mask, strokes};
 use crate::core::event::Event;
+use crate::core::projection::Projection;
 use crate::core::settings::Evaluate;
 use crate::core::state::{Select, State};
 use coif_graphs::document::edit::Edit;
@@ -190,8 +191,8 @@ pub(super) struct Touches {
     touch: Option<Touch>,
     /// What ended in this frame: it is painted until the document, in the next one, has it.
     ended: Option<Box<dyn Work>>,
-    /// Reports that came before a touch could begin or go on.
-    waiting: Vec<Input>,
+    /// Reports that came before a touch could begin or go on, each with what was seen then: the view may turn meanwhile.
+    waiting: Vec<(Input, Projection)>,
     /// Where the pen is over the picture.
     pub(super) hover: Option<Input>,
     /// What the tool in hand fills; none without a head.
@@ -263,17 +264,23 @@ impl Touches {
             scene.hair.changed();
             shown = false;
         }
-        let late = std::mem::take(&mut self.waiting).into_iter().map(|input| (input, true));
-        for (input, free) in late.chain(inputs) {
+        let view = scene.view;
+        let late = std::mem::take(&mut self.waiting).into_iter();
+        let late = late.map(|(input, view)| (input, true, view));
+        for (input, free, seen) in
+            late.chain(inputs.into_iter().map(|(input, free)| (input, free, view)))
+        {
+            scene.view = seen;
             let phase = input.sample.phase;
             let begins = phase == Phase::Down && free;
             let counts = begins || matches!(phase, Phase::Move | Phase::Up);
             if self.waits() || begins && !shown {
-                self.waiting.extend(counts.then_some(input));
+                self.waiting.extend(counts.then_some((input, seen)));
             } else if phase != Phase::Down || begins {
                 self.take(tool, &input, scene);
             }
         }
+        scene.view = view;
         let state = scene.state;
         let live = state.settings.evaluate == Evaluate::Live;
         let answered = state.run.reports.revision == state.revision;

@@ -274,7 +274,7 @@ fn hairpin(painter: &Painter, at: Pos2, colour: Color32) {
 /// Hairpins where CVs hold their place.
 fn pins(painter: &Painter, scene: &Scene) {
     let curves = curves(scene);
-    let view = super::seen_from(scene.view, scene.scalp.frame());
+    let view = super::seen_from(&scene.view, scene.scalp.frame());
     let seen = coif_nodes::sketch::seen::Seen::new(&view, scene.scalp.frame());
     for (tuft, i) in curves.each().filter(|(tuft, _)| tuft.attribute(PINNED.name).is_some()) {
         let pinned = tuft.view(PINNED);

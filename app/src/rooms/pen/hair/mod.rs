@@ -77,7 +77,7 @@ struct Spot {
 impl Spot {
     fn of(scene: &Scene, pos: Pos2) -> Self {
         let off = pos - scene.view.rect.center();
-        let view = seen_from(scene.view, scene.scalp.frame());
+        let view = seen_from(&scene.view, scene.scalp.frame());
         Self { view, at: Vec2::new(off.x, off.y), rho: number(scene, "rho") }
     }
     /// Curves in the view.

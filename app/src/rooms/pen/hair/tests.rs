@@ -403,6 +403,22 @@ fn an_implant_that_takes_the_place_of_another_says_so() {
 }
 
 #[test]
+fn a_stroke_that_waits_for_hair_is_drawn_as_the_head_was_seen_then() {
+    let mut salon = Salon::open(head(), "hair.implant");
+    for places in [lock(), Salon::line([240.0, 140.0], [200.0, 420.0])] {
+        salon.begin(&places, HEAVY, End::Tip);
+        salon.report(Phase::Up, places[places.len() - 1], 0.0, End::Tip);
+    }
+    salon.0.step();
+    assert!(salon.0.editor().pen.touches.is_busy(), "the second waits for the first");
+    salon.0.editor().act("view.from_back");
+    salon.rest();
+    let gestures = salon.gestures();
+    assert_eq!(salon.tools(), [Tool::Implant; 2]);
+    assert_eq!(gestures.0[0].view.eye, gestures.0[1].view.eye);
+}
+
+#[test]
 fn with_symmetry_both_sides_of_the_head_are_one_step() {
     let mut salon = Salon::open(head(), "hair.sketch");
     salon.0.editor().act("pen.symmetry");

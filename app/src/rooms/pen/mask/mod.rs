@@ -54,7 +54,7 @@ fn rounded(x: f32) -> f32 {
 
 /// What a touch begins.
 pub(super) fn begin(mode: Mode, report: &Report, scene: &mut Scene) -> Begun {
-    let hit = skin(scene.scalp, scene.view, report.pos);
+    let hit = skin(scene.scalp, &scene.view, report.pos);
     let hit = hit.ok_or("A mask is painted on the head: begin on the skin, not beside it")?;
     let made = scene.node.clone().map(|node| (node, vec![]));
     let made = made.or_else(|| target::make(scene.state));
@@ -92,7 +92,7 @@ impl Work for Painting {
     fn go_on(&mut self, report: &Report, scene: &Scene) {
         let flooded = self.brush.mode == Mode::Flood && !self.samples.is_empty();
         let done = report.phase == Phase::Up || flooded || self.samples.len() >= MOST;
-        let at = on_scalp(scene.scalp, scene.view, report.pos, self.last);
+        let at = on_scalp(scene.scalp, &scene.view, report.pos, self.last);
         let Some(at) = at.filter(|_| !done) else { return };
         self.last = at;
         let mouse = matches!(report.tool, End::Mouse | End::Finger);
@@ -149,7 +149,7 @@ pub(super) fn under(painter: &Painter, scene: &mut Scene) {
     if scene.mask.heat.follow(field, scene.scalp) {
         painter.ctx().request_repaint();
     }
-    scene.mask.heat.paint(painter, scene.view);
+    scene.mask.heat.paint(painter, &scene.view);
 }
 
 impl Pen {
