@@ -293,8 +293,8 @@ impl Canvas {
             self.look_at(faces, &now);
         }
         if self.known != now {
-            // What was just added, here or by the pen, is seen.
-            let active = state.active().filter(|id| !self.known.contains(*id));
+            // What was just added, here or by the pen, is seen; it may have the name of what it took the place of.
+            let active = state.active().filter(|_| !now.is_subset(&self.known));
             let added = active.filter(|_| !stranger && !unseen).and_then(|id| {
                 let title = faces.rect(id)?.split_top_bottom_at_fraction(0.3).0;
                 (!self.seen().contains_rect(title)).then_some(id)

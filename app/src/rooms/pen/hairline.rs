@@ -1,4 +1,4 @@
-//! The hairline of a head, shown while strokes are drawn: on a bald head nothing else says where hair grows.
+//! The hairline of a head, shown while strokes are drawn, and while hair is where there is none yet: on a bald head nothing else says where hair grows.
 //!
 //! It is found once a head, as pieces of straight lines across the triangles in which the region passes one half.
 
@@ -72,7 +72,7 @@ mod tests {
     use crate::rooms::pen::tests::{draw_on, head};
 
     #[test]
-    fn a_bald_head_shows_its_hairline_over_the_brow_while_rows_are_drawn() {
+    fn a_bald_head_shows_its_hairline_over_the_brow_while_rows_or_hair_are_drawn() {
         let mut table = draw_on(head());
         table.rest();
         let shown = table.editor().state.shown.clone().expect("a head");
@@ -92,6 +92,9 @@ mod tests {
             shapes.filter(is).count()
         };
         assert!(colours(&mut table) > 20);
+        table.editor().act("hair.implant");
+        table.rest();
+        assert!(colours(&mut table) > 20, "before the first hair");
         table.editor().act("pen.select");
         table.rest();
         assert_eq!(colours(&mut table), 0);

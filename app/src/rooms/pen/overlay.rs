@@ -33,7 +33,13 @@ pub(super) fn paint(tool: PenTool, touches: &Touches, ui: &egui::Ui, scene: &mut
     let still = touches.hover.filter(|_| !touches.is_drawing());
     match tool {
         PenTool::Select => {}
-        PenTool::Hair(_) => hair::under(&painter, scene),
+        PenTool::Hair(_) => {
+            let shown = scene.state.shown.as_ref();
+            if shown.is_some_and(|shown| shown.curves.curve_count() == 0) {
+                scene.hairline.paint(&painter, &scene.view, scene.scalp);
+            }
+            hair::under(&painter, scene);
+        }
         PenTool::Mask(_) => mask::under(&painter, scene),
         tool => strokes(tool, still, &painter, scene),
     }
