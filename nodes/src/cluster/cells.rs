@@ -24,9 +24,9 @@ const FEW: usize = 8;
 
 /// How much farther than beside them hair is rooted between clusters.
 const BETWEEN: f32 = 2.0;
-/// A place lies between two clusters if the cosine of the angle at which it sees them is below this: 120 degrees. So many clusters
-/// about it are looked at.
-const OPPOSITE: f32 = -0.5;
+/// A place lies between two clusters if the cosine of the angle at which it sees them is below this: 100 degrees. Where three meet it
+/// sees each two at 120; from beside a row, all at less than 90. So many clusters about it are looked at.
+const OPPOSITE: f32 = -0.17;
 const ABOUT: usize = 12;
 
 /// What a cluster asks of its cell.
