@@ -88,7 +88,7 @@ impl ClusterCell {
 }
 
 impl Cells {
-    /// Cells that reach `fill` cm beyond the discs of clusters, and [`BETWEEN`] times as far between them, for strands of so many points.
+    /// Cells that reach `fill` cm beyond the discs, and [`BETWEEN`] times that between clusters, for strands of `points` CVs.
     pub(super) fn new(
         cx: &EvalCx,
         curves: &Curves,

@@ -219,7 +219,7 @@ impl Lock {
         if cut.is_some() || base.attribute(CUT.name).is_some() {
             b.set(CUT, Domain::Curve, vec![cut.unwrap_or_default()]);
         }
-        // What has grown as long again is no longer cut.
+        // A curve as long as before its cut no longer counts as cut.
         let uncut = if self.uncut > length(&self.points) { self.uncut } else { 0.0 };
         if uncut > 0.0 || base.attribute(UNCUT.name).is_some() {
             b.set(UNCUT, Domain::Curve, vec![uncut]);

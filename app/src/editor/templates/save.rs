@@ -70,13 +70,16 @@ impl SaveTemplate {
     }
 
     fn new(state: &State) -> Self {
+        let choices = Self::choices(state);
+        let of = choices[0].clone();
+        let [title, description] = Self::words(state, &of);
         let mut new = Self {
-            choices: Self::choices(state),
-            of: MadeOf::All,
-            title: String::new(),
+            choices,
+            of,
+            title,
             name: None,
             version: "1.0".to_owned(),
-            description: String::new(),
+            description,
             author: String::new(),
             licence: String::new(),
             draws: true,
@@ -84,23 +87,39 @@ impl SaveTemplate {
             inputs: vec![],
             said: None,
         };
-        new.turn_to(state, new.choices[0].clone());
+        new.find_inputs(state);
         new
     }
 
-    /// Is made of something else: title, description and inputs are those of that.
-    fn turn_to(&mut self, state: &State, of: MadeOf) {
+    /// The title and description that the groom suggests.
+    fn words(state: &State, of: &MadeOf) -> [String; 2] {
         let document = &state.document;
-        (self.title, self.description) = match &of {
+        match of {
             MadeOf::Group(group) => {
                 let note = document.node(group.as_str()).map(|node| node.note.clone());
-                (document.name_of(group).into_owned(), note.unwrap_or_default())
+                [document.name_of(group).into_owned(), note.unwrap_or_default()]
             }
             MadeOf::Nodes(_) => Default::default(),
-            MadeOf::All => (document.title.clone(), String::new()),
-        };
+            MadeOf::All => [document.title.clone(), String::new()],
+        }
+    }
+
+    /// Makes it of something else. What was typed stays.
+    fn turn_to(&mut self, state: &State, of: MadeOf) {
+        let [was, is] = [&self.of, &of].map(|of| Self::words(state, of));
+        for ((word, was), is) in
+            [&mut self.title, &mut self.description].into_iter().zip(was).zip(is)
+        {
+            if *word == was {
+                *word = is;
+            }
+        }
         self.of = of;
-        (self.inputs, self.said) = match self.template().grouped(document) {
+        self.find_inputs(state);
+    }
+
+    fn find_inputs(&mut self, state: &State) {
+        (self.inputs, self.said) = match self.template().grouped(&state.document) {
             Ok((grouped, group)) => (inputs(&grouped, &group), None),
             Err(why) => (vec![], Some(why)),
         };

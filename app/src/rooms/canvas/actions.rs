@@ -97,7 +97,7 @@ const STEPS: [Of<Canvas>; 8] = steps! {
 /// What can be done on the canvas by name.
 pub(crate) const ACTIONS: &[&[Of<Canvas>]] = &[&NODES, &VIEWS, &STEPS, &PUFFS];
 
-/// Listed among the recipes of the pen, where who looks for puffs looks.
+/// Listed with the recipes of the pen: that is where people look for puffs.
 const PUFFS: [Of<Canvas>; 1] = [Action {
     id: "recipe.puffs_at_ends",
     label: "Puffs at the ends of braids",

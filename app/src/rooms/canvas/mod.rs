@@ -293,7 +293,7 @@ impl Canvas {
             self.look_at(faces, &now);
         }
         if self.known != now {
-            // What was just added, here or by the pen, is seen; it may have the name of what it took the place of.
+            // What was just added, here or by the pen, is seen; its id may be that of a node it replaced.
             let active = state.active().filter(|_| !now.is_subset(&self.known));
             let added = active.filter(|_| !stranger && !unseen).and_then(|id| {
                 let title = faces.rect(id)?.split_top_bottom_at_fraction(0.3).0;

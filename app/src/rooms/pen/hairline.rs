@@ -1,4 +1,5 @@
-//! The hairline of a head, shown while strokes are drawn, and while hair is where there is none yet: on a bald head nothing else says where hair grows.
+//! The hairline of a head, shown while strokes are drawn, and by the hair tools until there is hair: on a bald head, nothing else says
+//! where hair grows.
 //!
 //! It is found once a head, as pieces of straight lines across the triangles in which the region passes one half.
 
