@@ -454,6 +454,29 @@ fn a_box_selects_nodes_and_a_click_beside_them_nothing() {
 }
 
 #[test]
+fn a_node_that_takes_the_place_of_one_of_its_name_comes_into_sight() {
+    let mut w = window(document("cornrows"));
+    let desk = w.state_mut();
+    // Far from all else, with another that is new.
+    let mut other = desk.state.document.clone();
+    other.nodes.remove("braid");
+    let before = coif_graphs::document::edit::between(&desk.state.document, &other);
+    let mut after = other.clone();
+    for (node, at) in [("braid", 4000.0), ("new", 4400.0)] {
+        after.nodes.insert(id(node), after.fresh_node("lissajous_braid", &id(node)).into());
+        after.layout.insert(id(node), coif_graphs::document::Point(at, 3000.0));
+    }
+    let edit = coif_graphs::document::edit::between(&other, &after);
+    desk.apply(Event::Edit(Edit::Several(vec![before, edit])));
+    desk.apply(Event::Select(Select::Nodes(vec![id("braid")])));
+    w.run_steps(20);
+    let desk = w.state_mut();
+    let faces = desk.canvas.cache.of(&desk.state);
+    let title = faces.rect(&id("braid")).unwrap().split_top_bottom_at_fraction(0.3).0;
+    assert!(desk.canvas.seen().contains_rect(title), "{title} {}", desk.canvas.seen());
+}
+
+#[test]
 fn a_click_with_shift_adds_to_the_selection() {
     for (quick, boxed) in [(true, false), (false, false), (true, true), (false, true)] {
         let mut w = window(document("cornrows"));

@@ -430,6 +430,37 @@ fn a_groom_is_saved_as_a_template_in_the_window_and_stands_on_the_shelf_at_once(
     assert_eq!(library::read(&path).unwrap().hash, entry.hash);
 }
 
+#[test]
+fn what_a_template_is_made_of_is_chosen_and_what_was_typed_stays() {
+    let hands = &mut Hands::with_templates(groom("cornrows"), vec![]);
+    let braid = "braid".parse().unwrap();
+    hands.editor().apply(Event::Select(Select::Nodes(vec![braid])));
+    hands.editor().act("template.save");
+    hands.steps(3);
+    let (all, one) = ("The whole groom, without its head", "The node cornrows");
+    let has = |hands: &Hands, input: &str| hands.0.query_all_by_label(input).count() > 0;
+    // Beside its name stands a field of that name.
+    fn field(hands: &Hands) -> egui_kittest::Node<'_> {
+        hands.0.query_all_by_label("Title").last().expect("a field")
+    }
+    let title = |hands: &Hands| field(hands).value().unwrap_or_default();
+    let suggested = title(hands);
+    let (inside, outside) = ("cornrows: strands", "hair in the braids: frizz");
+    assert!(has(hands, inside) && has(hands, outside) && !suggested.is_empty());
+    hands.0.get_by_label(one).click_accesskit();
+    hands.steps(2);
+    assert!(has(hands, inside) && !has(hands, outside), "the inputs are those of the node");
+    assert_eq!(title(hands), "");
+    field(hands).focus();
+    hands.steps(1);
+    hands.0.event(egui::Event::Text("Our braid".into()));
+    hands.steps(2);
+    hands.0.get_by_label(all).click_accesskit();
+    hands.steps(2);
+    assert!(has(hands, outside));
+    assert_eq!(title(hands), "Our braid");
+}
+
 /// Brows on a head whose face lies lower, with that head alone in sight.
 fn low_brows() -> Document {
     let text =
