@@ -318,6 +318,7 @@ impl Maker<'_> {
                     home.lead(hair_at_home.skip(1), hair.triangle, |_, _, kept| kept);
                 }
                 if let Some(skin) = &skin {
+                    let triangle = hair.triangle as i32;
                     let hair = &mut points[first..];
                     for (k, p) in hair.iter().enumerate() {
                         let clearance = |(middle, square): &(Vec3, f32)| {
@@ -332,6 +333,7 @@ impl Maker<'_> {
                     clear_noting(
                         skin,
                         hair,
+                        triangle,
                         |k| asked[k],
                         |k| offs[k],
                         |k, middle, radius| {

@@ -8,6 +8,8 @@ use super::patience::Patience;
 use super::rough::Rough;
 use crate::maths::closest::{Hit, Surface};
 use crate::maths::distance_field::{Depth, DistanceField};
+use crate::maths::drawn_span::DrawnSpan;
+use crate::maths::horizon::View;
 use glam::Vec3;
 
 /// The skin of a head: what keeps hair out of it.
@@ -171,6 +173,21 @@ impl<'a> Skin<'a> {
             (false, true) => self.field.off_at_least(self.surface, p, enough),
             (false, false) => 0.0,
         }
+    }
+
+    /// What a hair sees from its root on a triangle, the value of its attribute; `None` if it is not rooted there, or on a rough mesh.
+    #[inline]
+    pub(crate) fn view_from(&self, root: Vec3, triangle: i32) -> Option<View> {
+        if self.is_rough() || !self.bounds_nearby() {
+            return None;
+        }
+        self.field.view_from(self.surface, root, u32::try_from(triangle).ok()?)
+    }
+
+    /// Whether a span, in this ball, is far from the skin or higher than all skin beside it. False means unknown.
+    #[inline]
+    pub(crate) fn is_over(&self, span: &DrawnSpan, ball: (Vec3, f32)) -> bool {
+        !self.is_rough() && self.bounds_nearby() && self.field.is_over(self.surface, span, ball)
     }
 
     /// Whether distances of the field bound those nearby.

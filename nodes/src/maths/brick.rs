@@ -3,6 +3,7 @@
 //! Guarantees: a value is unknown or final, for any number of threads. What a distance is, and when a cell is made, `distance_field.rs`
 //! decides.
 
+use super::horizon::Cap;
 use super::triangle_tree::Nearby;
 use glam::IVec3;
 use std::sync::OnceLock;
@@ -42,6 +43,8 @@ pub(super) struct Brick {
     pub(super) near: AtomicU32,
     /// For each cell in which closest points were asked for, the triangles near it.
     pub(super) nearby: OnceLock<Box<[OnceLock<Nearby>; BRICK_CELLS]>>,
+    /// For each eighth, what rises there.
+    pub(super) caps: OnceLock<Box<[OnceLock<Cap>; 8]>>,
 }
 
 /// Bits that are no distance.
@@ -75,6 +78,7 @@ impl Brick {
             centres: [const { AtomicU16::new(UNMADE) }; BRICK_CELLS],
             near: AtomicU32::new(near),
             nearby: OnceLock::new(),
+            caps: OnceLock::new(),
         })
     }
 

@@ -150,6 +150,18 @@ impl Surface {
         if self.tree.is_tangled() { Nearby::default() } else { self.tree.nearby(middle, radius) }
     }
 
+    /// Tells of each triangle of a ball that may rise above a plane (its normal, and how far along that it lies) its index, its corners and
+    /// its distance from the middle of the ball, cm; false if there are more than `most`.
+    pub(super) fn each_above(
+        &self,
+        ball: (Vec3, f32),
+        plane: (Vec3, f32),
+        most: usize,
+        tell: impl FnMut(u32, [Vec3; 3], f32),
+    ) -> bool {
+        self.tree.each_above(ball, plane, most, tell)
+    }
+
     /// The same as [`Self::closest`] for a point of a ball with this middle, of what is [near](Self::nearby) it.
     #[inline]
     pub(super) fn closest_of(&self, p: Vec3, middle: Vec3, nearby: &Nearby) -> Option<Hit> {

@@ -18,6 +18,8 @@ use super::brick::{
     sample_at,
 };
 use super::closest::{Hit, Surface};
+use super::drawn_span::DrawnSpan;
+use super::horizon::{Cap, Horizon, View};
 use super::lanes::LANES;
 use super::triangle_tree::Nearby;
 use glam::{IVec3, Vec3};
@@ -55,6 +57,8 @@ pub struct DistanceField {
     lowest: Vec3,
     blocks_along: IVec3,
     blocks: Vec<OnceLock<Block>>,
+    /// That of each triangle that a hair was rooted on.
+    horizons: OnceLock<Box<[OnceLock<Horizon>]>>,
     /// Bytes of all this. (Counting them anew each time took milliseconds of every evaluation.)
     held: AtomicUsize,
 }
@@ -112,6 +116,7 @@ impl DistanceField {
             lowest: lo - Vec3::splat((BAND_CELLS + 1.0) * cell),
             blocks_along,
             blocks: (0..count).map(|_| OnceLock::new()).collect(),
+            horizons: OnceLock::new(),
             held: AtomicUsize::new(count * size_of::<OnceLock<Block>>()),
         }
     }
@@ -203,13 +208,16 @@ impl DistanceField {
         match self.place(surface, p) {
             Place::Inside => 0.0,
             Place::Outside => self.band(),
-            Place::Near { q, i, block } => {
-                let middle = (i & !(BLOCK - 1)) + BLOCK / 2;
-                let rounding = 0.01 * self.cell + 1e-6 * p.abs().max_element();
-                let far = block.distance - q.distance(middle.as_vec3()) * self.cell;
-                (far - rounding).max(0.0)
-            }
+            Place::Near { q, i, block } => self.off_block(p, q, i, block).max(0.0),
         }
+    }
+
+    /// A lower bound of the distance of `p` outside, cm, by the centre of its block.
+    #[inline]
+    fn off_block(&self, p: Vec3, q: Vec3, i: IVec3, block: &Near) -> f32 {
+        let middle = (i & !(BLOCK - 1)) + BLOCK / 2;
+        let rounding = 0.01 * self.cell + 1e-6 * p.abs().max_element();
+        block.distance - q.distance(middle.as_vec3()) * self.cell - rounding
     }
 
     /// Whether everything around `p` is outside and beyond the band. False means unknown.
@@ -226,6 +234,49 @@ impl DistanceField {
         let (middle, nearby) = self.nearby(surface, brick, i);
         let is_in = (q - i.as_vec3() - 0.5).length_squared() < HALF_DIAGONAL * HALF_DIAGONAL;
         if is_in { surface.closest_of(p, middle, nearby) } else { None }
+    }
+
+    /// What a hair sees from a root on a triangle; `None` if it does not lie on it, or if nothing is known there. It holds where the surface
+    /// [parts in from out](Surface::parts_in_from_out).
+    #[inline]
+    pub fn view_from(&self, surface: &Surface, root: Vec3, triangle: u32) -> Option<View> {
+        let horizons = self.horizons.get_or_init(|| {
+            let count = surface.triangles.len();
+            self.holds(count * size_of::<OnceLock<Horizon>>());
+            (0..count).map(|_| OnceLock::new()).collect()
+        });
+        let horizon = horizons.get(triangle as usize)?;
+        let horizon = *horizon.get_or_init(|| Horizon::of(surface, triangle));
+        View::new(surface, triangle, root, horizon)
+    }
+
+    /// Whether a span, in a ball with this middle and radius (cm), is outside: by the centre of its block alone, or because it lies higher than
+    /// all surface beside it. It holds where the surface [parts in from out](Surface::parts_in_from_out). False means unknown.
+    #[inline]
+    pub fn is_over(
+        &self,
+        surface: &Surface,
+        span: &DrawnSpan,
+        (middle, radius): (Vec3, f32),
+    ) -> bool {
+        let (q, i, block) = match self.place(surface, middle) {
+            Place::Inside => return false,
+            Place::Outside => return radius < self.band(),
+            Place::Near { q, i, block } => (q, i, block),
+        };
+        if self.off_block(middle, q, i, block) > radius {
+            return true;
+        }
+        let caps = self.brick(block, i).caps.get_or_init(|| {
+            self.holds(8 * size_of::<OnceLock<Cap>>());
+            Box::new([const { OnceLock::new() }; 8])
+        });
+        let eighth = IVec3::new(i.x >> 1, i.y >> 1, i.z >> 1);
+        let centre = self.lowest + (2.0 * eighth.as_vec3() + 1.0) * self.cell;
+        let size = self.cell / CELL;
+        let at = ((eighth.z & 1) << 2 | (eighth.y & 1) << 1 | (eighth.x & 1)) as usize;
+        let cap = caps[at].get_or_init(|| Cap::of(surface, centre, size));
+        cap.is_under(&span.bezier(), centre, size)
     }
 
     /// The brick of a cell.

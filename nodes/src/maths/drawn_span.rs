@@ -64,11 +64,17 @@ impl DrawnSpan {
 
     /// Middle and radius of a ball that holds the span: that of its Bezier points.
     pub fn ball(&self) -> (Vec3, f32) {
-        let Self([a, b, c, d]) = self;
-        let middle = (*b + *c) * 0.5;
-        let inner = [*b + (*c - *a) / 6.0, *c - (*d - *b) / 6.0];
+        let bezier = self.bezier();
+        let middle = (bezier[0] + bezier[3]) * 0.5;
         let far = |r: f32, p: &Vec3| r.max(p.distance_squared(middle));
-        (middle, [*b, *c].iter().chain(&inner).fold(0.0, far).sqrt())
+        (middle, bezier.iter().fold(0.0, far).sqrt())
+    }
+
+    /// Its Bezier points: what is convex and holds them holds the span.
+    #[inline]
+    pub fn bezier(&self) -> [Vec3; 4] {
+        let Self([a, b, c, d]) = self;
+        [*b, *b + (*c - *a) / 6.0, *c - (*d - *b) / 6.0, *c]
     }
 
     /// Whether it leaves the straight line between its CVs by more than [`BENT`] at its middle.

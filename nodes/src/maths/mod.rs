@@ -12,6 +12,7 @@ pub mod drawn_span;
 pub mod frame;
 pub mod hair_colour;
 pub mod hash;
+pub mod horizon;
 pub mod lanes;
 pub mod low_discrepancy;
 mod mesh_normals;

@@ -285,6 +285,36 @@ impl TriangleTree {
         if found.len() > FEW_NEAR { Box::default() } else { found.into() }
     }
 
+    /// Tells of each triangle of a ball that may rise above a plane (its normal, and how far along that it lies) its index, its corners and
+    /// its distance from the middle of the ball, cm; false if there are more than `most`.
+    pub(super) fn each_above(
+        &self,
+        (middle, radius): (Vec3, f32),
+        (normal, height): (Vec3, f32),
+        most: usize,
+        mut tell: impl FnMut(u32, [Vec3; 3], f32),
+    ) -> bool {
+        let (mut looks, reach) = (0, radius * radius);
+        self.walk(
+            |node| {
+                let (mut squares, tops) = (node.squares(middle), node.tops(normal));
+                for (square, top) in squares.iter_mut().zip(tops) {
+                    *square = if top <= height { f32::INFINITY } else { *square };
+                }
+                squares
+            },
+            |_, leaf| {
+                let (_, point) = closest_on_triangle(middle, leaf.corners);
+                tell(leaf.triangle, leaf.corners, point.distance(middle));
+                looks += 1;
+                reach
+            },
+            reach,
+            most,
+        );
+        looks < most
+    }
+
     /// The triangle nearest to `p` of those near a ball with this middle, as [`Self::nearest`] finds it if `p` is in the ball.
     #[inline]
     pub(super) fn nearest_of(&self, p: Vec3, middle: Vec3, nearby: &[(f32, u32)]) -> Nearest {
@@ -585,6 +615,19 @@ impl Node {
             }
         }
         squares
+    }
+
+    /// How far along a direction each child reaches.
+    #[inline(always)]
+    fn tops(&self, way: Vec3) -> Each {
+        let mut tops = [0.0; WIDE];
+        for axis in 0..3 {
+            let faces = if way[axis] > 0.0 { &self.high[axis] } else { &self.low[axis] };
+            for (top, face) in tops.iter_mut().zip(faces) {
+                *top += face * way[axis];
+            }
+        }
+        tops
     }
 
     /// Where a ray enters each child, as a multiple of its direction, whose inverse ([`per`]) is given; beyond everything if it

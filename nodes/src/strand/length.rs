@@ -6,7 +6,7 @@
 //! exact to 1e-3, except where the skin pushes.
 
 use super::shorten::{Shortened, grow_on};
-use crate::data::attributes::ALLOW_DEPTH;
+use crate::data::attributes::{ALLOW_DEPTH, ROOT_TRIANGLE};
 use crate::data::curves::{Curves, Tuft};
 use crate::data::route::{Policy, Route};
 use crate::define::{FieldInput, NodeError, Value as Set, choice, node, unless};
@@ -164,7 +164,7 @@ fn relength(
     if !changes {
         return Ok(tuft.clone());
     }
-    let depths = tuft.view(ALLOW_DEPTH);
+    let (depths, root_triangles) = (tuft.view(ALLOW_DEPTH), tuft.view(ROOT_TRIANGLE));
     let mut out = Shortened::new(tuft);
     let mut points: Vec<Vec3> = vec![];
     for i in 0..tuft.len() {
@@ -190,7 +190,7 @@ fn relength(
             points.extend_from_slice(old);
             let settled = if way == Way::Scale {
                 points.iter_mut().for_each(|p| *p = old[0] + (*p - old[0]) * share);
-                route.settle(old, &mut points, depth)
+                route.settle(old, &mut points, root_triangles.at(i, first), depth)
             } else {
                 grow_on(&spline, &mut points, wanted - length);
                 route.settle_beyond(old, &mut points, depth)

@@ -8,6 +8,7 @@
 
 use crate::data::skin::Skin;
 use crate::maths::drawn_span::DrawnSpan;
+use crate::maths::horizon::View;
 use glam::Vec3;
 use std::cell::Cell;
 
@@ -20,6 +21,7 @@ const ROUNDING: (f32, f32) = (1.001, 1e-4);
 pub(super) struct Clearance<'a> {
     /// `None` if nothing is known and the skin is not to be asked.
     skin: Option<Skin<'a>>,
+    view: Option<View>,
     points: Vec<Cell<Bound>>,
 }
 
@@ -35,12 +37,17 @@ impl<'a> Clearance<'a> {
     /// For a hair of `points` points; `known` gives a bound that the caller already has, or 0. The root counts as on the skin.
     pub(super) fn new(skin: &Skin<'a>, points: usize, known: impl Fn(usize) -> f32) -> Self {
         let bound = |k: usize| Cell::new(Bound { least: known(k), is_asked: k == 0 });
-        Self { skin: Some(*skin), points: (0..points).map(bound).collect() }
+        Self { skin: Some(*skin), view: None, points: (0..points).map(bound).collect() }
+    }
+
+    /// With what the hair sees from its root, which is asked before the skin.
+    pub(super) fn seen(self, view: Option<View>) -> Self {
+        Self { view, ..self }
     }
 
     /// Knows nothing, asks nothing.
     pub(super) fn unknown() -> Self {
-        Self { skin: None, points: vec![] }
+        Self { skin: None, view: None, points: vec![] }
     }
 
     /// Discards the bound of point `k`, which has moved.
@@ -54,11 +61,21 @@ impl<'a> Clearance<'a> {
     fn of(&self, points: &[Vec3], k: usize, enough: f32) -> f32 {
         let (Some(skin), Some(cell)) = (&self.skin, self.points.get(k)) else { return 0.0 };
         let Bound { mut least, is_asked } = cell.get();
-        if least <= enough && !is_asked {
-            least = least.max(skin.off_at_least(points[k], ENOUGH));
-            cell.set(Bound { least, is_asked: true });
+        if least > enough || is_asked {
+            return least;
         }
+        least = least.max(self.seen_off(points[k]));
+        let is_asked = least <= enough;
+        if is_asked {
+            least = least.max(skin.off_at_least(points[k], ENOUGH));
+        }
+        cell.set(Bound { least, is_asked });
         least
+    }
+
+    /// The bound that the view from the root gives.
+    fn seen_off(&self, p: Vec3) -> f32 {
+        self.view.as_ref().map_or(0.0, |view| view.off_at_least(p))
     }
 
     /// Whether point `k` is known to be more than `height` (cm) outside the skin.
@@ -72,12 +89,14 @@ impl<'a> Clearance<'a> {
             return false;
         }
         // A point on the chord is at most half of it away from the nearer end, so both bounds together count.
+        let span = DrawnSpan::of(points, k);
         let half = 0.5 * points[k].distance(points[k + 1]);
-        let reach = half + DrawnSpan::of(points, k).leaves_chord(1.0);
+        let reach = half + span.leaves_chord(1.0);
         let needed = height + ROUNDING.0 * reach + ROUNDING.1;
         let known = |k: usize| self.points.get(k).map_or(0.0, |bound| bound.get().least);
         let is_clear = |a: f32, b: f32| 0.5 * (a + b) > needed;
         is_clear(known(k), known(k + 1))
+            || (height <= 0.0 && self.view.as_ref().is_some_and(|view| view.clears(&span)))
             || is_clear(self.of(points, k, ENOUGH), self.of(points, k + 1, ENOUGH))
     }
 
@@ -119,10 +138,13 @@ mod tests {
     fn what_is_reported_clear_is_as_far_outside_as_stated() {
         let scalp = bust();
         let skin = scalp.skin();
-        let (mut points, mut spans) = (0, 0);
+        let (mut points, mut spans, mut views) = (0, 0, 0);
         for hair in hairs().into_iter().step_by(5).chain(wandering(&scalp, 400)) {
             for height in [0.0, 0.25, 0.7] {
-                let clearance = Clearance::new(&skin, hair.len(), |_| 0.0);
+                let root = scalp.closest_root(hair[0]).unwrap();
+                let view = skin.view_from(hair[0], root.triangle as i32);
+                views += usize::from(view.is_some());
+                let clearance = Clearance::new(&skin, hair.len(), |_| 0.0).seen(view);
                 let far = |p: Vec3| match skin.distance(p) > 0.0 {
                     true => skin.closest(p).map_or(f32::MAX, |hit| hit.distance),
                     false => 0.0,
@@ -144,7 +166,7 @@ mod tests {
                 }
             }
         }
-        assert!(points > 5000 && spans > 5000, "{points} {spans}");
+        assert!(points > 5000 && spans > 5000 && views > 500, "{points} {spans} {views}");
     }
 
     #[test]

@@ -140,7 +140,8 @@ impl Skin<'_> {
     ) -> Option<SkinSample> {
         let first = start.take();
         let (middle, radius) = span.ball();
-        if self.stands_off(middle, radius) || self.is_clear(middle, radius) {
+        let is_off = self.is_over(span, (middle, radius)) || self.stands_off(middle, radius);
+        if is_off || self.is_clear(middle, radius) {
             return None;
         }
         let mut sample = |t: f32| self.sample(span, t, allowed, near);

@@ -160,22 +160,26 @@ pub(crate) fn clear(
     points: &mut [Vec3],
     depth: impl Fn(usize) -> Option<f32>,
 ) -> bool {
-    clear_noting(skin, points, depth, |_| 0.0, |_, _, _| {})
+    clear_noting(skin, points, -1, depth, |_| 0.0, |_, _, _| {})
 }
 
-/// [`clear`] for points whose distances from the skin are known to be at least `off` (cm; 0 if unknown). On a mesh where each point asks the
+/// [`clear`] for points whose distances from the skin are known to be at least `off` (cm; 0 if unknown), of a hair that is rooted on
+/// `root_triangle` (-1 if unknown). On a mesh where each point asks the
 /// skin alone, `note` receives each ball without skin that is found: the point's index, the centre and the radius (cm).
 pub(crate) fn clear_noting(
     skin: &Skin,
     points: &mut [Vec3],
+    root_triangle: i32,
     depth: impl Fn(usize) -> Option<f32>,
     off: impl Fn(usize) -> f32,
     note: impl FnMut(usize, Vec3, f32),
 ) -> bool {
-    let moved = skin.clear_noting(points, &depth, note);
     let height = |k: usize| -depth(k).unwrap_or(0.0);
-    let clearance =
-        if moved { Clearance::unknown() } else { Clearance::new(skin, points.len(), off) };
+    let view = points.first().and_then(|root| skin.view_from(*root, root_triangle));
+    let clearance = Clearance::new(skin, points.len(), off).seen(view);
+    let is_off = |points: &[Vec3], k: usize| clearance.of_point(points, k, height(k));
+    let moved = skin.clear_noting(points, &depth, is_off, note);
+    let clearance = if moved { Clearance::unknown() } else { clearance };
     settle_evenly(skin, points, 1..points.len(), height, (moved, clearance), &mut Spline::default())
 }
 

@@ -13,7 +13,7 @@
 //!
 //! [`Piece::bend`]: crate::eval::Piece::bend
 
-use super::attributes::ALLOW_DEPTH;
+use super::attributes::{ALLOW_DEPTH, ROOT_TRIANGLE};
 use super::curves::{AttributeView, Tuft, TuftBuilder};
 use super::patience::Patience;
 use super::scalp::Scalp;
@@ -114,11 +114,13 @@ impl<'a> Route<'a> {
         Moved { route: self, tuft, depth, patience: Patience::new(LOOKS), asked: 0, edit: None }
     }
 
-    /// Sets a hair that was moved from `old` to `new` where it may be; `depth` (cm) says how deep each point may lie.
+    /// Sets a hair that was moved from `old` to `new` where it may be; `root_triangle` is the value of its attribute, `depth` (cm) says how
+    /// deep each point may lie.
     pub(crate) fn settle(
         &self,
         old: &[Vec3],
         new: &mut [Vec3],
+        root_triangle: i32,
         depth: impl Fn(usize) -> f32,
     ) -> Result<(), Left> {
         if self.policy.lengths == Lengths::Kept {
@@ -127,7 +129,7 @@ impl<'a> Route<'a> {
         if !new.iter().all(|p| p.is_finite()) {
             return Err(Left::Far);
         }
-        self.settle_wished(old, new, depth)
+        self.settle_wished(old, new, root_triangle, depth)
     }
 
     /// [`Self::settle`] for finite points whose segments already have their lengths, if the policy is [`Lengths::Kept`].
@@ -135,6 +137,7 @@ impl<'a> Route<'a> {
         &self,
         old: &[Vec3],
         new: &mut [Vec3],
+        root_triangle: i32,
         depth: impl Fn(usize) -> f32,
     ) -> Result<(), Left> {
         if self.policy.lengths == Lengths::KeptTowards {
@@ -143,7 +146,8 @@ impl<'a> Route<'a> {
         let (Some(skin), Some(scalp)) = (self.skin, self.scalp) else { return Ok(()) };
         // What was not moved lies as it lay.
         let stays: Vec<bool> = old.iter().zip(&*new).map(|(old, new)| old == new).collect();
-        let mut clearance = Clearance::new(&skin, new.len(), |_| 0.0);
+        let view = skin.view_from(old[0], root_triangle);
+        let mut clearance = Clearance::new(&skin, new.len(), |_| 0.0).seen(view);
         match self.policy.lengths {
             Lengths::KeptTowards => {}
             lengths => {
@@ -153,7 +157,7 @@ impl<'a> Route<'a> {
                     keep_lengths_outside(old, new, &skin, &depth);
                 }
                 if cleared {
-                    clearance = Clearance::new(&skin, new.len(), |_| 0.0);
+                    clearance = Clearance::new(&skin, new.len(), |_| 0.0).seen(view);
                 }
             }
         }
@@ -175,6 +179,7 @@ impl<'a> Route<'a> {
         let (mut points, became) = wished(tuft, self.policy.lengths, bend, tick)?;
         let (mut left, mut any) = (vec![], false);
         let (depth, patience) = (tuft.view(ALLOW_DEPTH), Patience::new(LOOKS));
+        let root_triangle = tuft.view(ROOT_TRIANGLE);
         let skin = self.skin.map(|skin| skin.within(&patience));
         let route = Route { skin, ..*self };
         for (i, became) in became.into_iter().enumerate() {
@@ -184,7 +189,10 @@ impl<'a> Route<'a> {
             let settled = match became {
                 Wished::Stays => continue,
                 Wished::Far => Err(Left::Far),
-                Wished::Moved => route.settle_wished(old, new, |k| depth.at(i, range.start + k)),
+                Wished::Moved => {
+                    let root = root_triangle.at(i, range.start);
+                    route.settle_wished(old, new, root, |k| depth.at(i, range.start + k))
+                }
             };
             match settled {
                 Ok(()) => any = true,
@@ -285,7 +293,8 @@ impl Moved<'_> {
         }
         let skin = self.route.skin.map(|skin| skin.within(&self.patience));
         let route = Route { skin, ..*self.route };
-        route.settle(old, wish, |k| self.depth.at(i, range.start + k))?;
+        let root = self.tuft.view(ROOT_TRIANGLE).at(i, range.start);
+        route.settle(old, wish, root, |k| self.depth.at(i, range.start + k))?;
         let edit = self.edit.get_or_insert_with(|| self.tuft.edit());
         edit.points_mut()[range].copy_from_slice(wish);
         Ok(())

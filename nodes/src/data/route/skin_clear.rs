@@ -52,7 +52,7 @@ impl Skin<'_> {
         points: &mut [Vec3],
         depth: impl Fn(usize) -> Option<f32>,
     ) -> bool {
-        self.clear_noting(points, depth, |_, _, _| {})
+        self.clear_where(points, depth, |_, _| false)
     }
 
     /// [`Self::clear`] that skips points for which `is_clear` holds, unless the hair has to be led round something.
@@ -62,23 +62,21 @@ impl Skin<'_> {
         depth: impl Fn(usize) -> Option<f32>,
         is_clear: impl Fn(&[Vec3], usize) -> bool,
     ) -> bool {
-        match self.asks_alone() {
-            true => self.push_each(points, &depth, |_, _, _| {}),
-            false => self.clear_led(Torn::APART, points, &depth, is_clear),
-        }
+        self.clear_noting(points, depth, is_clear, |_, _, _| {})
     }
 
-    /// [`Self::clear`] that notes what was found out about the air on a mesh where each point asks the skin alone: for which point, and
+    /// [`Self::clear_where`] that notes what was found out about the air on a mesh where each point asks the skin alone: for which point, and
     /// the middle and the radius (cm) of a ball about it that holds no skin.
     pub(in crate::data) fn clear_noting(
         &self,
         points: &mut [Vec3],
         depth: impl Fn(usize) -> Option<f32>,
+        is_clear: impl Fn(&[Vec3], usize) -> bool,
         note: impl FnMut(usize, Vec3, f32),
     ) -> bool {
         match self.asks_alone() {
             true => self.push_each(points, &depth, note),
-            false => self.clear_led(Torn::APART, points, &depth, |_, _| false),
+            false => self.clear_led(Torn::APART, points, &depth, is_clear),
         }
     }
 
