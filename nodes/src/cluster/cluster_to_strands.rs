@@ -95,6 +95,7 @@ pub(super) const COARSE: &str = "strands of a cluster have as many points as the
      or raise points";
 
 fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
+    let cx = &cx.in_lots(inputs.curves.curve_count());
     let unit = cx.unit();
     let skin = inputs.scalp.as_ref().map(|scalp| cx.skin(scalp.head()));
     let filler = Filler {

@@ -112,6 +112,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         );
         cx.warn(text);
     }
+    let cx = &cx.in_lots(plan.groups.len());
     let skin = cx.skin(scalp);
     let maker = Maker { inputs: &inputs, scalp, skin: skin.for_hair() };
     let key = |i: usize| {

@@ -24,7 +24,7 @@ use crate::data::curves::Curves;
 use crate::data::gestures::Replayed;
 use crate::data::scalp::{HeadFrame, Scalp, Skin};
 use crate::error::NodeError;
-use crate::maths::hash::{Dice, Key};
+use crate::maths::hash::{Dice, Key, KeyBuilder};
 pub use log::{Log, Message};
 pub use pieces::Piece;
 use std::any::Any;
@@ -141,12 +141,38 @@ pub struct EvalCx<'a> {
     unit: f32,
     /// The scalp of pieces that run by place.
     scalp: Option<&'a TracedScalp>,
+    /// What is made at least of each lot of strands, where there are so many.
+    least: usize,
 }
+
+/// Of one lot of strands a preview makes so many at least, and all lots together so many for that reason; the same for a first look.
+const PREVIEW_LEAST: (usize, usize) = (16, 10_000);
+const FIRST_LEAST: (usize, usize) = (4, 1_000);
 
 impl<'a> EvalCx<'a> {
     /// An evaluation of a node with this key.
     pub fn new(seed: u64, quality: Quality, node: Key, host: &'a dyn Host, log: &'a Log) -> Self {
-        Self { seed, quality, node, node_untraced: None, host, log, unit: 1.0, scalp: None }
+        let least = match quality {
+            Quality::Final => usize::MAX,
+            Quality::Preview => PREVIEW_LEAST.0,
+            Quality::FirstLook => FIRST_LEAST.0,
+        };
+        Self { seed, quality, node, node_untraced: None, host, log, unit: 1.0, scalp: None, least }
+    }
+    /// For pieces that make a lot of strands each, `lots` in all: where there are many, a preview makes fewer of each than of one alone.
+    pub fn in_lots(&self, lots: usize) -> EvalCx<'a> {
+        let most = match self.quality {
+            Quality::Final => return EvalCx { ..*self },
+            Quality::Preview => PREVIEW_LEAST.1,
+            Quality::FirstLook => FIRST_LEAST.1,
+        };
+        let least = (most / lots.max(1)).clamp(1, self.least);
+        if least == self.least {
+            return EvalCx { ..*self };
+        }
+        let key = |key: Key| KeyBuilder::new("lots").key(key).int(least as u64).finish();
+        let (node, node_untraced) = (key(self.node), self.node_untraced.map(key));
+        EvalCx { node, node_untraced, least, ..*self }
     }
     /// For pieces that ask this scalp, if any, about its sections: they see it through [`Piece::scalp`], which notes what they read, and
     /// run again only where partings changed that they read.
@@ -157,12 +183,13 @@ impl<'a> EvalCx<'a> {
     pub fn dice(&self, tag: i64, purpose: &str) -> Dice {
         Dice::new(self.seed, tag as u64, purpose)
     }
-    /// How many of `n` strands are made at this quality: all, the first max(16, n / 10), or the first max(4, n / 100).
+    /// How many of `n` strands are made at this quality: all, the first max(16, n / 10), or the first max(4, n / 100); fewer than 16 or 4
+    /// [in many lots](Self::in_lots).
     pub fn thinned(&self, n: usize) -> usize {
         match self.quality {
             Quality::Final => n,
-            Quality::Preview => n.min(16.max(n / 10)),
-            Quality::FirstLook => n.min(4.max(n / 100)),
+            Quality::Preview => n.min(self.least.max(n / 10)),
+            Quality::FirstLook => n.min(self.least.max(n / 100)),
         }
     }
     /// The same, once for each lot of strands that the node makes: pictures of a preview draw strands as much wider as there are
@@ -348,12 +375,22 @@ mod tests {
     }
 
     #[test]
-    fn preview_makes_a_tenth_but_never_under_sixteen() {
+    fn preview_makes_a_tenth_and_sixteen_of_a_lot_unless_lots_are_many() {
         let (log, host) = (Log::default(), PlainHost);
         let cx = |quality| EvalCx::new(0, quality, Key(1), &host, &log);
         let thinned = |n| cx(Quality::Preview).thinned(n);
         assert_eq!([10, 100, 1000].map(thinned), [10, 16, 100]);
         assert_eq!([3, 100, 1000].map(|n| cx(Quality::FirstLook).thinned(n)), [3, 4, 10]);
         assert_eq!(cx(Quality::Final).thinned(1000), 1000);
+        let in_lots = |quality, lots, n| {
+            let cx = cx(quality);
+            let many = cx.in_lots(lots);
+            (many.thinned(n), many.node != cx.node)
+        };
+        assert_eq!(in_lots(Quality::Preview, 600, 30), (16, false));
+        assert_eq!(in_lots(Quality::Preview, 2500, 30), (4, true));
+        assert_eq!(in_lots(Quality::Preview, 1_000_000, 30), (3, true));
+        assert_eq!(in_lots(Quality::FirstLook, 500, 30), (2, true));
+        assert_eq!(in_lots(Quality::Final, 1_000_000, 30), (30, false));
     }
 }
