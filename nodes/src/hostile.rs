@@ -181,8 +181,25 @@ fn strokes() -> Vec<Strokes> {
 
 const NUMBERS: [f32; 8] = [0.0, -0.0, -1.0, 1e-30, 1e30, -1e30, f32::MAX, 16_777_216.0];
 
-/// What may come in at an input at worst. Ranges are the node's own: what lies outside them is clamped, as from documents.
+/// What may come in at an input at worst. Ranges are the node's own: what lies outside them is clamped, as from documents, so that of
+/// numbers which come to be the same one is tried.
 fn hostile(input: &InputDef) -> Vec<Value> {
+    let arrives = |value: &Value| {
+        let number = match value {
+            Value::Float(x) => f64::from(*x),
+            Value::Int(n) => *n as f64,
+            _ => return None,
+        };
+        let (low, high) = input.hard.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        Some(number.clamp(low, high).to_bits())
+    };
+    let mut seen = std::collections::BTreeSet::new();
+    let mut all = worst(input);
+    all.retain(|value| arrives(value).is_none_or(|number| seen.insert(number)));
+    all
+}
+
+fn worst(input: &InputDef) -> Vec<Value> {
     let ramps = || {
         let stops = [
             vec![(0.0, 0.0)],

@@ -1,6 +1,7 @@
 //! How soon a drag is seen: sliders of a shipped groom moved as a hand moves them, in preview quality, with everything kept
 //! that an editor keeps. Prints for each slider the median and the worst time to new hair, and what ran; and how soon the first hair,
-//! the preview and all hair of each recipe are there on a head that is known (`-- first-hair`: these alone).
+//! the preview and all hair of each recipe are there on a head that is known (`-- first-hair`: these alone). `-- heroes` does both for each
+//! hero, with every slider of its nodes, and names those that take longer than 50 ms.
 
 use coif_graphs::document::edit::Edit;
 use coif_graphs::document::{Document, NodeId, Setting, Socket};
@@ -9,7 +10,7 @@ use coif_graphs::schedule::request::plan;
 use coif_graphs::schedule::run::{CancelToken, Evaluator, OnFailure, Quiet};
 use coif_graphs::{file, grooms};
 use coif_nodes::data::gestures::{Gesture, Gestures, Layer, PenSample, Tool};
-use coif_nodes::define::Value;
+use coif_nodes::define::{Type, Value};
 use coif_nodes::eval::Quality;
 use glam::Vec2;
 use std::time::Instant;
@@ -138,7 +139,99 @@ fn sketch() {
     );
 }
 
+/// Longest median of a slider that is not named, ms.
+const SOON: f64 = 50.0;
+
+/// Each hero: how soon its first hair, its preview and all hair are there on a head that is known, and how soon a preview follows each
+/// slider, moved three times by a fiftieth of its range.
+fn heroes() {
+    for name in grooms::HEROES {
+        let text = grooms::by_name(name).expect("a shipped groom");
+        let mut document = file::read(text).expect("it reads").document;
+        let of = |kind: &str, output: &str| -> Vec<Socket> {
+            let nodes = document.nodes.iter().filter(|(_, node)| node.kind == kind);
+            nodes.map(|(id, _)| Socket::new(id.clone(), output)).collect()
+        };
+        let (heads, hair) = (of("head", "scalp"), of("groom_output", "curves"));
+        let evaluator = Evaluator::new(0, 4 << 30).expect("threads");
+        let files = DiskFiles::default();
+        let run = |document: &Document, targets: &[Socket], quality: Quality| {
+            let began = Instant::now();
+            let plan = plan(document, targets, quality, &files).expect("a plan");
+            evaluator.run(&plan, OnFailure::PassThrough, &CancelToken::default(), &Quiet);
+            began.elapsed().as_secs_f64() * 1e3
+        };
+        run(&document, &heads, Quality::Final);
+        let [first, preview, all] = [Quality::FirstLook, Quality::Preview, Quality::Final]
+            .map(|quality| run(&document, &hair, quality));
+        let (mut medians, mut slow) = (vec![], vec![]);
+        let nodes: Vec<NodeId> = document.nodes.keys().cloned().collect();
+        for id in nodes {
+            let kind = document.nodes[&id].kind.clone();
+            let Some(def) = coif_nodes::by_id(&kind) else { continue };
+            for input in def.inputs {
+                let Some((low, high)) = input.soft.or(input.hard) else { continue };
+                let set = document.nodes[&id].inputs.get(input.name).cloned();
+                let from = match set.clone().map_or_else(
+                    || input.default(),
+                    |set| match set {
+                        Setting::Known(value) => Some(value),
+                        _ => None,
+                    },
+                ) {
+                    Some(Value::Float(x)) => f64::from(x),
+                    Some(Value::Int(n)) => n as f64,
+                    Some(Value::Field(field)) if field.constant().is_some() => {
+                        f64::from(field.constant().unwrap_or_default())
+                    }
+                    _ => continue,
+                };
+                let mut times = vec![];
+                for k in 1..=3 {
+                    let step = (high - low) * 0.02 * f64::from(k);
+                    let to = if from + step <= high { from + step } else { from - step };
+                    let text = match input.ty {
+                        Type::Int => format!("{:.0}", to.max(from + f64::from(k))),
+                        _ => format!("{to:?}"),
+                    };
+                    let value = coif_graphs::text::parse_value(input.ty, &text).expect("a number");
+                    let (node, input) = (id.clone(), input.name.to_owned());
+                    let setting = Setting::Known(value);
+                    let edit = Edit::SetInput { node, input, setting };
+                    edit.apply(&mut document).expect("an edit");
+                    times.push(run(&document, &hair, Quality::Preview));
+                }
+                let node = document.nodes.get_mut(&id).map(std::sync::Arc::make_mut);
+                if let Some(inputs) = node.map(|node| &mut node.inputs) {
+                    match set {
+                        Some(set) => inputs.insert(input.name.to_owned(), set),
+                        None => inputs.remove(input.name),
+                    };
+                }
+                run(&document, &hair, Quality::Preview);
+                times.sort_by(f64::total_cmp);
+                medians.push(times[1]);
+                if times[1] > SOON {
+                    slow.push((times[1], format!("{id}.{} {:.0}", input.name, times[1])));
+                }
+            }
+        }
+        medians.sort_by(f64::total_cmp);
+        slow.sort_by(|a, b| b.0.total_cmp(&a.0));
+        println!(
+            "{name}: first hair after {first:.0} ms, preview after {preview:.0} more, all after {all:.0} more; {} sliders, median {:.0} ms, {} over {SOON} ms: {}",
+            medians.len(),
+            medians[medians.len() / 2],
+            slow.len(),
+            slow.iter().map(|(_, text)| text.as_str()).collect::<Vec<_>>().join(", ")
+        );
+    }
+}
+
 fn main() {
+    if std::env::args().any(|arg| arg == "heroes") {
+        return heroes();
+    }
     first_hair();
     if std::env::args().any(|arg| arg == "first-hair") {
         return;

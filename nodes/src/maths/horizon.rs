@@ -2,7 +2,7 @@
 //! [field](super::distance_field), for a curve lies where its Bezier points lie.
 //!
 //! Two kinds, found once where hair is: the [`Horizon`] of a triangle, a slope for each distance, gives the cone over a root on it; the
-//! [`Cap`] of a small ball, a height along one direction, gives what of the ball lies higher than all surface in it. The first clears hair
+//! `Cap` of a small ball, a height along one direction, gives what of the ball lies higher than all surface in it. The first clears hair
 //! where it leaves the skin, the second hair that lies along it.
 //!
 //! Guarantees: an open cone holds no surface nearer to the root than the distance; the open part of a ball over its cap holds none, and is
@@ -25,7 +25,7 @@ const MARGIN: f32 = 1e-4;
 /// How far (cm) off its triangle a root may lie.
 const OFF: f32 = 1e-3;
 
-/// Slopes (height over distance along the plane of a triangle), one for each of [`REACHES`]; infinite where unknown.
+/// Slopes (height over distance along the plane of a triangle), one for each of 0.5, 1, 2 and 4 cm; infinite where unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Horizon([f32; REACHES.len()]);
 
