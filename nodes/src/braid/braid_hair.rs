@@ -13,9 +13,10 @@ use super::band::Band;
 use super::braid_territory::ORDER;
 use super::hair_path::{BraidHairParams, Entry, HairTracer, Manner};
 use super::tube::{Braid, Stitch, TubeParams};
+use crate::data::attribute_transfer::{CvPlace, Lineage, carry, evenly, own_parents};
 use crate::data::attributes::{
-    ALONG, Attribute, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE,
-    STITCH, STRAND, TIED, WIDTH,
+    ALONG, BRAID, BRAID_FRONT, Domain, FED, FIBRE, ID, NORMAL, PARENT, RADIUS, SIDE, STITCH,
+    STRAND, TIED, WIDTH, is_look,
 };
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
@@ -26,6 +27,7 @@ use crate::maths::hash::{KeyBuilder, curve_id};
 use crate::maths::transcendental::sin_cos_turns;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::OnceLock;
 
 node! {
@@ -176,7 +178,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let tufts = by_row.get(&row)?;
         tufts.iter().map(|n| *n as usize).find(|n| *n < of_strands)
     };
-    let of_row = |row: u64| -> Option<&Braid> {
+    let of_row = |row: u64| -> Option<(&Braid, &Tuft)> {
         let n = strands_of(row)?;
         let tufts = &by_row[&row];
         let made = braids[n].get_or_init(|| {
@@ -195,7 +197,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             };
             Braid::new(strands, stitches, &asked)
         });
-        made.as_ref()
+        Some((made.as_ref()?, &*all.tufts()[n]))
     };
     let needs = |_: usize, tuft: &Tuft| {
         let mut needed: Vec<u32> = vec![];
@@ -230,7 +232,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             // A braid stored in several tufts is tied once.
             let row = if tuft.is_empty() { None } else { Some(row_of(tuft, 0)) };
             let row = row.filter(|row| strands_of(*row) == Some(n));
-            let (Some(band), Some(braid)) = (band, row.and_then(&of_row)) else {
+            let (Some(band), Some((braid, _))) = (band, row.and_then(&of_row)) else {
                 return Ok([out.build()]);
             };
             match &braid.waist {
@@ -315,8 +317,10 @@ struct Filler<'a> {
 
 /// Hairs under construction.
 #[derive(Default)]
-struct Made {
+struct Made<'b> {
     hair: TuftBuilder,
+    /// The strand that each runs in.
+    runs_in: Vec<(&'b Tuft, usize)>,
     pick: Vec<u32>,
     ids: Vec<u64>,
     parents: Vec<u64>,
@@ -332,7 +336,7 @@ impl Filler<'_> {
     fn fill<'b>(
         mut self,
         tuft: &Tuft,
-        of_row: &(dyn Fn(u64) -> Option<&'b Braid> + Sync),
+        of_row: &(dyn Fn(u64) -> Option<(&'b Braid, &'b Tuft)> + Sync),
         piece: &mut Piece,
     ) -> Result<[Tuft; 2], NodeError> {
         let fed = tuft.view(FED);
@@ -347,7 +351,7 @@ impl Filler<'_> {
         for i in 0..tuft.len() {
             piece.tick()?;
             let first = tuft.range(i).start;
-            let Some(braid) = of_row(row_of(tuft, i)) else {
+            let Some((braid, strands)) = of_row(row_of(tuft, i)) else {
                 piece.trouble(tuft.id(i), "hair of a row without strands was left out");
                 continue;
             };
@@ -379,6 +383,7 @@ impl Filler<'_> {
             points.extend(self.tracer.beads.iter().map(|bead| bead.p));
             made.hair.push_curve(&points);
             made.along.extend(self.tracer.beads.iter().map(|bead| bead.along));
+            made.runs_in.push((strands, entry.tube));
             made.fronts.push(front);
             made.pick.push(i as u32);
             made.ids.push(id);
@@ -433,13 +438,16 @@ impl Filler<'_> {
         if hair.is_empty() {
             return hair.build();
         }
-        let own = [FIBRE.name, ALONG.name, ORDER];
-        for attribute in tuft.attributes() {
-            if attribute.domain == Domain::Curve && !own.contains(&attribute.name.as_ref()) {
-                let values = attribute.values.gather(&made.pick);
-                hair.set_column(Attribute { values, ..attribute.clone() });
+        let ranges: Vec<Range<usize>> = (0..hair.len()).map(|i| hair.range(i)).collect();
+        let mut places: Vec<CvPlace> = vec![];
+        if tuft.differs_by_point() {
+            for (i, range) in made.pick.iter().zip(&ranges) {
+                places.extend(on_way(tuft, *i as usize, &made.along[range.clone()]));
             }
         }
+        // It goes on as it came; when it was to join and how long to be is done.
+        carry(tuft, &made.pick, &places, &mut hair);
+        [FIBRE.name, ORDER].iter().for_each(|name| hair.remove(name));
         hair.set(ID, Domain::Curve, made.ids);
         hair.set(PARENT, Domain::Curve, made.parents);
         hair.set(BRAID, Domain::Curve, made.braids);
@@ -447,20 +455,48 @@ impl Filler<'_> {
         hair.set(STRAND, Domain::Curve, made.strands);
         hair.set(STITCH, Domain::Curve, made.stitches);
         hair.set(BRAID_FRONT, Domain::Curve, made.fronts);
-        hair.set(ALONG, Domain::Point, made.along);
         let (root, tip) = (self.inputs.width_root, self.inputs.width_tip);
         if root == tip {
             hair.set(WIDTH, Domain::Curve, vec![root]);
-            return hair.build();
+        } else {
+            let width = |n: usize, k: usize| root + (tip - root) * k as f32 / (n - 1).max(1) as f32;
+            let each = ranges.iter().map(ExactSizeIterator::len);
+            let all = each.flat_map(|n| (0..n).map(move |k| width(n, k)));
+            hair.set(WIDTH, Domain::Point, all.collect());
         }
-        let hair = hair.build();
-        let mut width = Vec::with_capacity(hair.points().len());
-        for i in 0..hair.len() {
-            let n = hair.range(i).len();
-            width.extend((0..n).map(|k| root + (tip - root) * k as f32 / (n - 1).max(1) as f32));
-        }
-        let mut hair = hair.edit();
-        hair.set(WIDTH, Domain::Point, width);
+        let own = own_parents(hair.len());
+        let lineage = Lineage {
+            parent: &|i| made.runs_in[i as usize],
+            of: &|i| &own[i],
+            places: &|i| {
+                let (strands, strand) = made.runs_in[i as usize];
+                let along = made.along[ranges[i as usize].clone()].iter();
+                along.map(|along| on_strand(strands, strand, *along)).collect()
+            },
+            takes: &is_look,
+        };
+        lineage.pass_on(&mut hair);
+        hair.set(ALONG, Domain::Point, made.along);
         hair.build()
     }
+}
+
+/// Where on its way to the braid each point of a hair lies; at the end of that once it has joined. (`along` is that of the place
+/// where it joins up to there.)
+fn on_way(tuft: &Tuft, i: usize, along: &[f32]) -> Vec<CvPlace> {
+    let first = tuft.range(i).start as u32;
+    let joined = along.partition_point(|u| *u <= along[0]).min(along.len());
+    let mut places = evenly(tuft.curve(i), joined);
+    let end = (tuft.curve(i).len() as u32 - 2, 1.0);
+    places.resize(along.len(), end);
+    places.iter().map(|(before, t)| (first + before, *t)).collect()
+}
+
+/// Where on a strand the fraction `u` of its source lies.
+fn on_strand(strands: &Tuft, strand: usize, u: f32) -> CvPlace {
+    let AttributeView::Point(all) = strands.view(ALONG) else { return (0, 0.0) };
+    let along = &all[strands.range(strand)];
+    let before = along.partition_point(|at| *at <= u).clamp(1, along.len() - 1) - 1;
+    let (a, b) = (along[before], along[before + 1]);
+    (before as u32, if b > a { ((u - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 })
 }

@@ -10,9 +10,9 @@
 
 use super::ground::{Behind, Lane, Owner, RowIndex, UnrolledSide, far_off};
 use super::tail::lengthened;
+use crate::data::attribute_transfer::{CvPlace, Lineage, carry, own_parents};
 use crate::data::attributes::{
-    ALONG, Attribute, Domain, FED, FIBRE, ID, PARENT, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, SECTION, SIDE,
+    ALONG, Domain, FED, FIBRE, GIRTH, ID, JOINED, OF_CLUSTERS, PARENT, SCALP_NORMAL, SECTION, SIDE,
 };
 use crate::data::curves::{Curves, MOST_CURVES, Tuft, TuftBuilder};
 use crate::data::field::Sampler;
@@ -112,10 +112,6 @@ node! {
 
 /// Name of the fraction of a row's hair that joined before a given hair.
 pub(super) const ORDER: &str = "join_order";
-/// Name of the fraction of a row's hair that has joined up to a point of the row.
-pub(super) const JOINED: &str = "joined";
-/// Name of the thickness of a braid at a point of its row, as a fraction of the largest.
-pub(super) const GIRTH: &str = "girth";
 
 fn fading() -> Ramp {
     Ramp::new(Blend::Linear, vec![(0.0, 1.0), (0.25, 0.0)]).unwrap_or_else(|_| Ramp::constant(1.0))
@@ -250,13 +246,10 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let size = Size::of(&[("hairs", hairs as f64), ("cvs", inputs.cvs as f64)]);
     let [curves] = cx.each_item(parts.len(), &size, key, |n, piece| {
         let (i, from, to, fed) = parts[n];
+        let (tuft, curve, source) = &rows[i];
+        let row = (*tuft, *curve, maker.behind_start(&ground.lanes[i], source));
         if fed {
-            return Ok([maker.extension(
-                i,
-                maker.behind_start(&ground.lanes[i], &rows[i].2),
-                &counted[i],
-                from..to,
-            )]);
+            return Ok([maker.extension(i, row, &counted[i], from..to)]);
         }
         // From the probes, so that more hair changes no path.
         let far = places[i][..probes[i]].iter().map(|place| place.owner.distance);
@@ -267,7 +260,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
                 UnrolledSide::new(&ground.lanes[i], scalp, side, 1.7 * reach + 0.4 * unit, own)
             })
         };
-        let row = (rows[i].0, rows[i].1);
         Ok([maker.hairs(i, row, &counted[i], &places[i][from..to], &map, piece)?])
     })?;
     Ok(Outputs { curves, source })
@@ -491,7 +483,7 @@ impl Maker<'_> {
     fn hairs<'m>(
         &self,
         i: usize,
-        row: (&Tuft, usize),
+        row: (&Tuft, usize, Behind),
         counted: &Row,
         places: &[Place],
         map: &dyn Fn(i32) -> &'m UnrolledSide,
@@ -548,12 +540,12 @@ impl Maker<'_> {
         if ids.is_empty() {
             return Ok(out.build());
         }
-        self.describe(&mut out, row, lane, (ids, along, order, fibre));
         out.set(SIDE, Domain::Curve, sides);
         out.set(FED, Domain::Curve, vec![0]);
         let roots: Vec<Root> = places.iter().map(|place| place.root).collect();
         out.set(SCALP_NORMAL, Domain::Curve, roots.iter().map(|root| root.normal).collect());
         lay::bind(&mut out, &roots);
+        self.describe(&mut out, row, lane, (ids, along, order, fibre));
         Ok(out.build())
     }
     /// Whether a path passes through something that sticks out from the head between its points.
@@ -616,30 +608,32 @@ impl Maker<'_> {
     fn describe(
         &self,
         out: &mut TuftBuilder,
-        (tuft, curve): (&Tuft, usize),
+        (tuft, curve, source): (&Tuft, usize, Behind),
         lane: &Lane,
         (ids, along, order, fibre): (Vec<u64>, Vec<f32>, Vec<f32>, Vec<f32>),
     ) {
-        let own = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name, SCALP_NORMAL.name];
-        for attribute in tuft.attributes() {
-            if attribute.domain == Domain::Curve && !own.contains(&attribute.name.as_ref()) {
-                let values = attribute.values.gather(&[curve as u32]);
-                out.set_column(Attribute { values, ..attribute.clone() });
-            }
-        }
+        let own = own_parents(ids.len());
+        // As the row is where a hair joins it. Its braid is as thick as it says there, not its hair.
+        let lineage = Lineage {
+            parent: &|_| (tuft, curve),
+            of: &|hair| &own[hair],
+            places: &|hair| vec![on_row(source, along[hair as usize], tuft.range(curve).len())],
+            takes: &|name| name != SCALP_NORMAL.name && !OF_CLUSTERS.contains(&name),
+        };
         out.set(ID, Domain::Curve, ids);
         out.set(PARENT, Domain::Curve, vec![lane.id]);
-        out.set(ALONG, Domain::Curve, along);
+        out.set(ALONG, Domain::Curve, along.clone());
         out.set_named(ORDER.into(), Domain::Curve, order);
         if fibre.iter().any(|length| *length > 0.0) {
             out.set(FIBRE, Domain::Curve, fibre);
         }
+        lineage.pass_on(out);
     }
     /// Extension hairs: short pieces of the row where they are fed in.
     fn extension(
         &self,
         i: usize,
-        source: Behind,
+        (tuft, curve, source): (&Tuft, usize, Behind),
         counted: &Row,
         which: std::ops::Range<usize>,
     ) -> Tuft {
@@ -659,18 +653,12 @@ impl Maker<'_> {
                 counted.first * self.dice.unit(id, 3)
             });
         }
-        let fibre = vec![self.inputs.feed_length; ids.len()];
-        out.set(ID, Domain::Curve, ids);
-        out.set(PARENT, Domain::Curve, vec![lane.id]);
-        out.set(ALONG, Domain::Curve, along);
-        out.set_named(ORDER.into(), Domain::Curve, order);
         out.set(FED, Domain::Curve, vec![1]);
         if let Some(section) = lane.section {
             out.set(SECTION, Domain::Curve, vec![section]);
         }
-        if self.inputs.feed_length > 0.0 {
-            out.set(FIBRE, Domain::Curve, fibre);
-        }
+        let fibre = vec![self.inputs.feed_length; ids.len()];
+        self.describe(&mut out, (tuft, curve, source), lane, (ids, along, order, fibre));
         out.build()
     }
 }
@@ -694,18 +682,25 @@ fn girth_at(row: &Row, u: f32) -> f32 {
     at(&row.girth, u)
 }
 
+/// Where on a row of so many CVs the fraction `u` of its braid lies; at its tip where the braid goes on beyond.
+fn on_row(source: Behind, u: f32, cvs: usize) -> CvPlace {
+    let place = source.place(u);
+    let last = cvs - 2;
+    if place.span > last { (last as u32, 1.0) } else { (place.span as u32, place.t) }
+}
+
 /// The row with its thickness, at as many evenly spaced points as that requires.
 fn thickened(tuft: &Tuft, curve: usize, source: Behind, row: &Row) -> Tuft {
     let n = ((source.length() / 0.15).ceil() as usize).clamp(24, 240) + 1;
-    let points = (0..n).map(|k| source.at(k as f32 / (n - 1) as f32)).collect();
-    let mut out = TuftBuilder::even(points, n);
-    for attribute in tuft.attributes() {
-        if attribute.domain == Domain::Curve {
-            let values = attribute.values.gather(&[curve as u32]);
-            out.set_column(Attribute { values, ..attribute.clone() });
-        }
-    }
-    let along = |values: &[f32]| (0..n).map(|k| at(values, k as f32 / (n - 1) as f32)).collect();
+    let u = |k: usize| k as f32 / (n - 1) as f32;
+    let mut out = TuftBuilder::even((0..n).map(|k| source.at(u(k))).collect(), n);
+    let cvs = tuft.range(curve);
+    let place = |k: usize| {
+        let (before, t) = on_row(source, u(k), cvs.len());
+        (cvs.start as u32 + before, t)
+    };
+    carry(tuft, &[curve as u32], &(0..n).map(place).collect::<Vec<_>>(), &mut out);
+    let along = |values: &[f32]| (0..n).map(|k| at(values, u(k))).collect();
     out.set_named(GIRTH.into(), Domain::Point, along(&row.girth));
     out.set_named(JOINED.into(), Domain::Point, along(&row.joined));
     out.build()

@@ -1,8 +1,9 @@
 //! Flyaways: short hairs that leave a braid.
 //!
 //! Guarantees: each has its random length, from a third of the longest to all of it; a higher number only adds; with a
-//! known skin, none lies in it. Not promised: that they stay clear of the braid.
+//! known skin, none lies in it; it looks like its strand where it leaves it. Not promised: that they stay clear of the braid.
 
+use crate::data::attribute_transfer::{Lineage, own_parents, place_of};
 use crate::data::attributes::{self as attr, Domain};
 use crate::data::curves::{Tuft, TuftBuilder};
 use crate::data::route::makers::lift;
@@ -23,7 +24,8 @@ pub(crate) struct FlyawayStrand<'a> {
     pub(crate) radii: &'a [f32],
     /// Centre of the braid at each CV.
     pub(crate) centres: Vec<Vec3>,
-    pub(crate) id: u64,
+    /// The strand itself.
+    pub(crate) hair: (&'a Tuft, usize),
 }
 
 /// `count` hairs of up to `longest` cm on the strands of one braid, kept out of the skin. A higher count only adds.
@@ -37,7 +39,7 @@ pub(crate) fn flyaways(
     piece: &mut Piece,
 ) -> Result<Tuft, NodeError> {
     let mut out = TuftBuilder::new();
-    let (mut ids, mut parents) = (vec![], vec![]);
+    let (mut ids, mut parents, mut leaves) = (vec![], vec![], vec![]);
     for index in 0..count as u64 {
         piece.tick()?;
         let id = curve_id(braid, tag, (1 << 33) + index);
@@ -65,13 +67,23 @@ pub(crate) fn flyaways(
         }
         out.push_curve(&points);
         ids.push(id);
-        parents.push(strand.id);
+        parents.push(strand.hair.0.id(strand.hair.1));
+        leaves.push((strand.hair, place_of(place)));
     }
     if !ids.is_empty() {
         out.set(attr::ID, Domain::Curve, ids);
         out.set(attr::PARENT, Domain::Curve, parents);
         out.set(attr::BRAID, Domain::Curve, vec![braid]);
     }
+    let own = own_parents(leaves.len());
+    let lineage = Lineage {
+        parent: &|hair| leaves[hair as usize].0,
+        of: &|hair| &own[hair],
+        // As it is where it leaves the strand.
+        places: &|hair| vec![leaves[hair as usize].1],
+        takes: &attr::is_look,
+    };
+    lineage.pass_on(&mut out);
     Ok(out.build())
 }
 

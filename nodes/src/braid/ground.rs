@@ -13,7 +13,7 @@ use crate::data::scalp::{Root, Scalp};
 use crate::maths::frame::{across, any_normal};
 use crate::maths::nearest::KdTree;
 use crate::maths::smoothstep;
-use crate::maths::spline::Spline;
+use crate::maths::spline::{Spline, SplineParam};
 use crate::maths::transcendental::{atan2, exp, sin_cos};
 use crate::scalp::territory::{MOST_OVER, Row, farthest};
 use glam::{Vec2, Vec3};
@@ -139,8 +139,11 @@ impl Behind<'_> {
     pub(crate) fn length(self) -> f32 {
         self.source.length() * (1.0 - self.from)
     }
+    pub(crate) fn place(self, u: f32) -> SplineParam {
+        self.source.locate(self.from + (1.0 - self.from) * u)
+    }
     pub(crate) fn at(self, u: f32) -> Vec3 {
-        self.source.at(self.from + (1.0 - self.from) * u)
+        self.source.point(self.place(u))
     }
 }
 

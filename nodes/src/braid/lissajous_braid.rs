@@ -15,8 +15,9 @@ use super::flyaways::{self, FlyawayStrand};
 use super::strand_placement::{self, Advance, Below, BraidShape, Contact, Facing};
 use super::strand_radius::{Near, StrandLine, touching_radii};
 use super::weave::{Paths, Pitch, Weave, coprime, default_frequency};
-use crate::data::attributes::{self as attr, Attribute, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
-use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
+use crate::data::attribute_transfer::{Lineage, own_parents, place_of};
+use crate::data::attributes::{self as attr, Domain, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV};
+use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Sampler;
 use crate::data::ramp::{Blend, Ramp};
 use crate::data::scalp::Scalp;
@@ -540,14 +541,9 @@ fn braid(
             .collect(),
         n,
     );
-    for attribute in tuft.attributes().iter().filter(|a| a.domain == Domain::Curve) {
-        let values = attribute.values.gather(&vec![curve as u32; strands as usize]);
-        out.set_column(Attribute { values, ..attribute.clone() });
-    }
     let along = |line: &StrandLine| -> Vec<f32> {
         line.s.iter().map(|s| (s / length).clamp(0.0, 1.0)).collect()
     };
-    carry_along(&mut out, tuft, curve, &source, &laid.lines, length);
     out.set(attr::ID, Domain::Curve, ids.clone());
     out.set(attr::PARENT, Domain::Curve, vec![source_id]);
     out.set(attr::BRAID, Domain::Curve, vec![braid_id]);
@@ -565,6 +561,18 @@ fn braid(
         out.set(attr::ALLOW_DEPTH, Domain::Point, depths.concat());
     }
     bind(&mut out, tuft, curve, source.at(0.0), scalp);
+    let own = own_parents(strands as usize);
+    let lineage = Lineage {
+        parent: &|_| (tuft, curve),
+        of: &|strand| &own[strand],
+        places: &|strand| {
+            let line = &laid.lines[strand as usize];
+            line.s.iter().map(|s| place_of(source.locate(s / length))).collect()
+        },
+        takes: &|_| true,
+    };
+    lineage.pass_on(&mut out);
+    let out = out.build();
 
     let mut stitch_curve = TuftBuilder::new();
     let all = shape.stitches();
@@ -591,12 +599,12 @@ fn braid(
         .lines
         .iter()
         .zip(&radii)
-        .zip(&ids)
-        .map(|((line, radii), id)| FlyawayStrand {
+        .enumerate()
+        .map(|(strand, (line, radii))| FlyawayStrand {
             spline: &line.spline,
             radii,
             centres: line.s.iter().map(|s| laid.centre(*s)).collect(),
-            id: *id,
+            hair: (&out, strand),
         })
         .collect();
     let hairs = (inputs.flyaways * tied_at).round() as usize;
@@ -605,7 +613,7 @@ fn braid(
     let skin = skin.map(|below| &below.skin);
     let strays =
         flyaways::flyaways(&fine, (braid_id, tag), hairs, longest, skin, plan.stray, piece)?;
-    Ok(Some([out.build(), stitch_curve.build(), strays]))
+    Ok(Some([out, stitch_curve.build(), strays]))
 }
 
 /// Stitch length of a firm braid, in amplitudes. Strands cross at about 45 degrees and close the gaps between them; at
@@ -670,34 +678,6 @@ fn rest(below: &Below, p: Vec3, grip: f32, radius: &mut f32) -> f32 {
     }
     // A thousandth extra, for the parts between CVs.
     if *radius > d + 1e-4 { (*radius - d) + 1e-3 } else { 0.0 }
-}
-
-/// Copies the point attributes of the source to the strands, such as the fraction of joined hair.
-fn carry_along(
-    out: &mut TuftBuilder,
-    tuft: &Tuft,
-    curve: usize,
-    source: &Spline,
-    lines: &[StrandLine],
-    length: f32,
-) {
-    let own = [attr::ALONG.name, attr::RADIUS.name, attr::ALLOW_DEPTH.name];
-    for attribute in tuft.attributes() {
-        let (Domain::Point, false) = (attribute.domain, own.contains(&attribute.name.as_ref()))
-        else {
-            continue;
-        };
-        let Some(AttributeView::Point(all)) = tuft.view_named::<f32>(&attribute.name) else {
-            continue;
-        };
-        let all = &all[tuft.range(curve)];
-        let at = |s: &f32| {
-            let place = source.locate((s / length).clamp(0.0, 1.0));
-            lerp(all[place.span], all[place.span + 1], place.t)
-        };
-        let values = lines.iter().flat_map(|line| line.s.iter().map(at)).collect();
-        out.set_named(attribute.name.clone(), Domain::Point, values);
-    }
 }
 
 /// Binds curves to the scalp where their source is bound, or else at the closest point.

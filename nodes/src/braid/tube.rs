@@ -2,7 +2,6 @@
 //! Computed once per braid, so that a point of a hair costs one lookup and a few multiplications.
 
 use super::band::{Band, Waist};
-use super::braid_territory::JOINED;
 use crate::data::attributes as attr;
 use crate::data::curves::{AttributeView, Tuft};
 use crate::data::field::Sampler;
@@ -245,7 +244,7 @@ impl Braid {
         let (radius, normal) = (strands.view(attr::RADIUS), strands.view(attr::NORMAL));
         let along = strands.view(attr::ALONG);
         let joined: AttributeView<f32> =
-            strands.view_named(JOINED).unwrap_or(AttributeView::Shared(1.0));
+            strands.view_named(attr::JOINED).unwrap_or(AttributeView::Shared(1.0));
         let steps = (spline.length() / step).floor().max(2.0) as usize;
         let mut at = Vec::with_capacity(steps + 1);
         let mut beside = Vec::with_capacity(steps + 1);

@@ -15,9 +15,10 @@ use super::cross_sections::{
     CrossSection, CrossSections, FilledTube, RootPlace, open_radius, widest_radius,
 };
 use super::plan::PlannedHair;
+use crate::data::attribute_transfer::{Lineage, ONE_PARENT, place_of};
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, COLOUR, CUT, DENSITY, Domain, FLATNESS, FRIZZ, ID, PARENT, RADIUS,
-    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, UNCUT, WIDTH,
+    ALLOW_DEPTH, COLOUR, DENSITY, Domain, FRIZZ, ID, OF_CLUSTERS, PARENT, RADIUS, ROOT_BARY,
+    ROOT_TRIANGLE, ROOT_UV, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
@@ -424,26 +425,16 @@ fn inherit(
     sections: &CrossSections,
     width: f32,
 ) {
-    let count = strands.len();
-    let own = [RADIUS, DENSITY, FRIZZ, FLATNESS, WIDTH].map(|own| own.name);
-    let mine = [ID.name, COLOUR.name, CUT.name, UNCUT.name];
-    let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
-    for attribute in tuft.attributes() {
-        let name = attribute.name.as_ref();
-        if attribute.domain == Domain::Curve
-            && !own.contains(&name)
-            && !mine.contains(&name)
-            && !root.contains(&name)
-        {
-            let values = attribute.values.gather(&[curve as u32]);
-            strands.set_column(Attribute { values, ..attribute.clone() });
-        }
-    }
     strands.set(PARENT, Domain::Curve, vec![tuft.id(curve)]);
     strands.set(WIDTH, Domain::Curve, vec![width]);
-    let colours = sections.colours(tuft, curve);
-    match colours[..] {
-        [one] => strands.set(COLOUR, Domain::Curve, vec![one]),
-        _ => strands.set(COLOUR, Domain::Point, colours.repeat(count)),
+    if tuft.attribute(COLOUR.name).is_none() {
+        strands.set(COLOUR, Domain::Curve, vec![COLOUR.default]);
     }
+    let lineage = Lineage {
+        parent: &|_| (tuft, curve),
+        of: &|_| ONE_PARENT,
+        places: &|_| sections.places.iter().copied().map(place_of).collect(),
+        takes: &|name| !OF_CLUSTERS.contains(&name),
+    };
+    lineage.pass_on(strands);
 }

@@ -1,7 +1,7 @@
 //! Cross-sections of a cluster at the CVs of its strands, computed once for all strands.
 
 use super::cells::CellMoments;
-use crate::data::attributes::{ALLOW_DEPTH, COLOUR, CUT, FLATNESS, NORMAL, ROLL, SCALP_NORMAL};
+use crate::data::attributes::{ALLOW_DEPTH, CUT, FLATNESS, NORMAL, ROLL, SCALP_NORMAL};
 use crate::data::curves::{AttributeView, MOST_A_CURVE, Tuft};
 use crate::data::field::Sampler;
 use crate::data::scalp::{Scalp, Skin};
@@ -58,7 +58,8 @@ pub(super) struct CrossSections {
     pub coarse: bool,
     /// Whether the cluster sets its allowed depth under the skin per CV.
     pub sinks: bool,
-    places: Vec<SplineParam>,
+    /// Where on the cluster they lie.
+    pub places: Vec<SplineParam>,
 }
 
 /// The cross-section at one CV of the strands.
@@ -248,18 +249,6 @@ impl CrossSections {
         let beside = q - across;
         let beside = beside - self.thin * (beside.dot(self.thin) * (1.0 - self.upright));
         RootPlace { across, beside, far: q.length().max(1.0) }
-    }
-
-    /// The cluster's colour at each CV of a strand, or one colour for all.
-    pub(super) fn colours(&self, tuft: &Tuft, curve: usize) -> Vec<Vec3> {
-        match tuft.view(COLOUR) {
-            AttributeView::Point(all) => {
-                let all = &all[tuft.range(curve)];
-                let at = |place: &SplineParam| all[place.span].lerp(all[place.span + 1], place.t);
-                self.places.iter().map(at).collect()
-            }
-            other => vec![other.at(curve, 0)],
-        }
     }
 }
 

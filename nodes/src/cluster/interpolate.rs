@@ -10,11 +10,12 @@
 //! promised: that hair stays over its section beyond that, for it goes where its guides go.
 
 use super::plan::{Plan, PlannedHair};
+use crate::data::attribute_transfer::{Lineage, evenly};
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, Domain, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, SECTION, WIDTH,
+    ALLOW_DEPTH, Domain, ID, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+    SECTION, WIDTH,
 };
-use crate::data::curves::{Curves, Tuft, TuftBuilder};
+use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::patience::Patience;
 use crate::data::route::makers::clear_noting;
 use crate::data::scalp::{Scalp, Skin};
@@ -141,6 +142,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             hairs: hairs.len(),
             hair: &|i| plan.hair(hairs[i]),
             shape: &shape,
+            guide: &|guide| &guides[guide as usize],
         };
         Ok([maker.hair(&read, piece)?])
     })?;
@@ -175,6 +177,7 @@ struct Read<'a, 'p> {
     /// A hair, with its guides and their weights.
     hair: &'a dyn Fn(usize) -> (&'p PlannedHair, &'p [(u32, f32)]),
     shape: &'a dyn Fn(u32) -> &'p Shape,
+    guide: &'a dyn Fn(u32) -> &'a Tuft,
 }
 
 /// A guide for blending: CVs relative to its root at even arc length, one list per axis.
@@ -255,7 +258,7 @@ impl Maker<'_> {
     /// The hair of one guide.
     fn hair(&self, read: &Read, piece: &mut Piece) -> Result<Tuft, NodeError> {
         let each = self.inputs.points as usize;
-        let Read { own, section, own_shape, hair, shape, .. } = *read;
+        let Read { own, section, own_shape, hair, shape, guide: guide_of, .. } = *read;
         let at_u = |k: usize| k as f32 / (each - 1) as f32;
         let depth = own.view(ALLOW_DEPTH);
         let last = own.curve(0).len() - 1;
@@ -290,7 +293,7 @@ impl Maker<'_> {
         let mut points: Vec<Vec3> = Vec::with_capacity(read.hairs * each);
         let mut blended = [vec![0.0; each], vec![0.0; each], vec![0.0; each]];
         let (mut asked, mut offs) = (vec![None; each], vec![0.0; each]);
-        let mut grown: Vec<&PlannedHair> = Vec::with_capacity(read.hairs);
+        let mut grown: Vec<(&PlannedHair, &[(u32, f32)])> = Vec::with_capacity(read.hairs);
         let mut ids = Vec::with_capacity(read.hairs);
         for (hair, blend) in (0..read.hairs).map(hair) {
             piece.tick()?;
@@ -370,33 +373,36 @@ impl Maker<'_> {
                     }
                 }
             }
-            grown.push(hair);
+            grown.push((hair, blend));
             ids.push(id);
         }
-        let hairs = grown;
         let mut out = TuftBuilder::even(points, each);
-        if hairs.is_empty() {
+        if grown.is_empty() {
             return Ok(out.build());
         }
-        let mine = [ID.name, WIDTH.name, RADIUS.name, SCALP_NORMAL.name];
-        let root = [ROOT_TRIANGLE.name, ROOT_BARY.name, ROOT_UV.name];
-        for attribute in own.attributes() {
-            let name = attribute.name.as_ref();
-            if attribute.domain == Domain::Curve && !mine.contains(&name) && !root.contains(&name) {
-                out.set_column(Attribute { ..attribute.clone() });
-            }
-        }
+        let hairs = || grown.iter().map(|(hair, _)| hair);
         out.set(ID, Domain::Curve, ids);
         out.set(PARENT, Domain::Curve, vec![own.id(0)]);
         out.set(WIDTH, Domain::Curve, vec![self.inputs.width]);
         if section != 0 {
             out.set(SECTION, Domain::Curve, vec![section]);
         }
-        out.set(ROOT_TRIANGLE, Domain::Curve, hairs.iter().map(|h| h.triangle as i32).collect());
-        out.set(ROOT_BARY, Domain::Curve, hairs.iter().map(|h| h.bary).collect());
+        out.set(ROOT_TRIANGLE, Domain::Curve, hairs().map(|h| h.triangle as i32).collect());
+        out.set(ROOT_BARY, Domain::Curve, hairs().map(|h| h.bary).collect());
         if self.scalp.uvs().is_some() {
-            out.set(ROOT_UV, Domain::Curve, hairs.iter().map(|h| h.uv).collect());
+            out.set(ROOT_UV, Domain::Curve, hairs().map(|h| h.uv).collect());
         }
+        if matches!(depth, AttributeView::Point(_)) && depths.iter().any(|depth| *depth != 0.0) {
+            out.set(ALLOW_DEPTH, Domain::Point, depths.repeat(grown.len()));
+        }
+        // Hair stands closer than its guides, and elsewhere on the scalp.
+        let lineage = Lineage {
+            parent: &|guide| (guide_of(guide), 0),
+            of: &|hair| grown[hair].1,
+            places: &|guide| evenly(guide_of(guide).curve(0), each),
+            takes: &|name| ![RADIUS.name, SCALP_NORMAL.name].contains(&name),
+        };
+        lineage.pass_on(&mut out);
         Ok(out.build())
     }
 }

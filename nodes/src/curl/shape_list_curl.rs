@@ -16,10 +16,9 @@ use super::pattern::{Detail, Pattern, TurnFactors};
 use super::preset::PresetValues;
 use super::profile::{ProfileCurve, entries};
 use super::winding::{Goal, Sizes, Winder, arc_length};
-use crate::data::attribute_transfer::between;
+use crate::data::attribute_transfer;
 use crate::data::attributes::{
-    ALLOW_DEPTH, Attribute, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, ID, NORMAL, PARENT, ROLL,
-    SHRINKAGE,
+    ALLOW_DEPTH, CURL_DIAMETER, CURL_PITCH, Domain, FIBRE, ID, NORMAL, PARENT, ROLL, SHRINKAGE,
 };
 use crate::data::curves::MOST_A_CURVE;
 use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
@@ -402,7 +401,7 @@ fn curl(
     let (fibre, rolls) = (tuft.view(FIBRE), tuft.view(ROLL));
     let level = inputs.roll.constant() == Some(0.0)
         && matches!(rolls, AttributeView::Shared(x) if x == 0.0);
-    let by_points = tuft.attributes().iter().any(|a| a.domain == Domain::Point);
+    let by_points = tuft.differs_by_point();
 
     let mut out = TuftBuilder::new();
     let asked_length = inputs.hair_length.on(tuft, scalp)?;
@@ -546,13 +545,7 @@ fn curl(
         kept.push(i as u32);
         out.push_curve(&winder.points);
     }
-    for attribute in tuft.attributes() {
-        let values = match attribute.domain {
-            Domain::Curve => attribute.values.gather(&kept),
-            Domain::Point => between(&attribute.values, &places),
-        };
-        out.set_column(Attribute { values, ..attribute.clone() });
-    }
+    attribute_transfer::carry(tuft, &kept, &places, &mut out);
     out.set(FIBRE, Domain::Curve, fibres);
     out.set(SHRINKAGE, Domain::Curve, shrinkages);
     out.set(CURL_DIAMETER, Domain::Curve, diameters);

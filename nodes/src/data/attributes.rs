@@ -157,6 +157,37 @@ pub struct Attribute {
     pub values: Column,
 }
 
+impl Attribute {
+    /// Whether it has a value of its own for each point.
+    pub fn differs_by_point(&self) -> bool {
+        self.domain == Domain::Point && self.values.len() != 1
+    }
+}
+
+/// How hair that is made from other curves, its parents, comes by an attribute of theirs. What a maker sets itself counts
+/// instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CarryRule {
+    /// A mix of the values of all parents, weighted as their shapes are; of points, of what each parent has there along its
+    /// length. Numbers, vectors and colours that nothing else is said of.
+    Blended,
+    /// That of the nearest parent; of points, that of its point before. Ids and counts.
+    Inherited,
+    /// That of the nearest parent, where it is said of a whole curve; what is said of single points is of those alone.
+    Whole,
+    /// None: it says something of the parent alone.
+    Own,
+}
+
+/// The rule by which hair comes by an attribute with this name: as declared, else by the type that `like` holds.
+pub fn carry_of(name: &str, like: &Column) -> CarryRule {
+    match RULES.iter().find(|(declared, _)| *declared == name) {
+        Some((_, rule)) => *rule,
+        None if matches!(like, Column::I32(_) | Column::U64(_)) => CarryRule::Inherited,
+        None => CarryRule::Blended,
+    }
+}
+
 /// An attribute that nodes agree on: its name, type and what is read where it is missing.
 #[derive(Clone, Copy, Debug)]
 pub struct Declared<T> {
@@ -179,7 +210,8 @@ pub(super) fn is_length(name: &str) -> bool {
 }
 
 macro_rules! declare {
-    ($($(#[doc = $doc:literal])* $id:ident: $ty:ty = $name:literal, $default:expr $(, $unit:ident)?;)*) => {
+    ($($(#[doc = $doc:literal])*
+    $id:ident: $ty:ty = $name:literal, $default:expr $(, $unit:ident)? $(=> $rule:ident)?;)*) => {
         $($(#[doc = $doc])* pub const $id: Declared<$ty> =
             Declared { name: $name, default: $default, doc: concat!($($doc),*) };)*
         /// Name, type and meaning of every declared attribute, for the manual.
@@ -188,6 +220,9 @@ macro_rules! declare {
 
         /// What the values of each count.
         const UNITS: &[(&str, &str)] = &[$(($name, stringify!($($unit)?))),*];
+
+        /// How hair comes by those of which not their type says it.
+        const RULES: &[(&str, CarryRule)] = &[$($(($name, CarryRule::$rule),)?)*];
 
         fn declared_default(name: &str) -> Option<Column> {
             match name {
@@ -204,17 +239,17 @@ pub const CURL_MIDDLE: [f32; 2] = [0.3, 0.9];
 declare! {
     /// Stable id of the curve: 64-bit hash of its parent's id, the seed of the node that made it, and its index. 0:
     /// none.
-    ID: u64 = "id", 0;
+    ID: u64 = "id", 0 => Own;
     /// Id of the curve it was made from. 0: none.
-    PARENT: u64 = "parent", 0;
+    PARENT: u64 = "parent", 0 => Own;
     /// Scalp triangle under the root; -1: not bound.
-    ROOT_TRIANGLE: i32 = "root_triangle", -1;
+    ROOT_TRIANGLE: i32 = "root_triangle", -1 => Own;
     /// Barycentric coordinates of the root: weights of the triangle's second and third corner.
-    ROOT_BARY: Vec2 = "root_bary", Vec2::ZERO;
+    ROOT_BARY: Vec2 = "root_bary", Vec2::ZERO => Own;
     /// Texture coordinates of the scalp at the root.
-    ROOT_UV: Vec2 = "root_uv", Vec2::ZERO;
+    ROOT_UV: Vec2 = "root_uv", Vec2::ZERO => Own;
     /// Scalp normal closest to the point (or to the root). Unit; zero: unknown.
-    SCALP_NORMAL: Vec3 = "scalp_normal", Vec3::ZERO;
+    SCALP_NORMAL: Vec3 = "scalp_normal", Vec3::ZERO => Whole;
     /// Radius of the cross-section of a cluster or braid strand, cm.
     RADIUS: f32 = "radius", 1.0, cm;
     /// Diameter of a hair, cm.
@@ -228,30 +263,30 @@ declare! {
     /// How densely a cluster is filled, 0 to 1.
     DENSITY: f32 = "density", 0.5;
     /// 1 for a CV held in place by a hairpin, 0 for a free one.
-    PINNED: i32 = "pinned", 0;
+    PINNED: i32 = "pinned", 0 => Own;
     /// Normal, pointing out of the hair, of the plane through a cluster's tip that cuts its strands. Unit; zero: not
     /// cut.
-    CUT: Vec3 = "cut", Vec3::ZERO;
+    CUT: Vec3 = "cut", Vec3::ZERO => Whole;
     /// Arc length that a drawn curve had before it was cut, cm; 0: not cut.
-    UNCUT: f32 = "uncut_length", 0.0, cm;
+    UNCUT: f32 = "uncut_length", 0.0, cm => Own;
     /// Colour, linear Rec.709.
     COLOUR: Vec3 = "colour", Vec3::new(0.09, 0.05, 0.03);
     /// Depth below the skin that the curve may reach, cm.
-    ALLOW_DEPTH: f32 = "allow_depth", 0.0, cm;
+    ALLOW_DEPTH: f32 = "allow_depth", 0.0, cm => Whole;
     /// Normal of the curve's frame at each point. Unit; zero: unknown.
-    NORMAL: Vec3 = "normal", Vec3::ZERO;
+    NORMAL: Vec3 = "normal", Vec3::ZERO => Whole;
     /// Id of the braid that a strand, stitch or hair belongs to. 0: none.
     BRAID: u64 = "braid", 0;
     /// Direction that the front of the braid faces where this hair joins it. Unit; zero: unknown.
-    BRAID_FRONT: Vec3 = "braid_front", Vec3::ZERO;
+    BRAID_FRONT: Vec3 = "braid_front", Vec3::ZERO => Whole;
     /// Fraction of the source's arc length at which a braid is tied; the end tuft lies beyond it.
-    TIED: f32 = "tied", 1.0;
+    TIED: f32 = "tied", 1.0 => Whole;
     /// Index of the strand within its braid, from 0.
     STRAND: i32 = "strand", 0;
     /// Position of a braid strand in its cycle at the root, 0 to 1.
-    PHASE: f32 = "phase", 0.0;
+    PHASE: f32 = "phase", 0.0 => Whole;
     /// Position of a point along the source, as a fraction of arc length, 0 to 1.
-    ALONG: f32 = "along", 0.0;
+    ALONG: f32 = "along", 0.0 => Whole;
     /// Side of the source: -1 left, 1 right (seen along the curve, normal up).
     SIDE: i32 = "side", 0;
     /// Index of the curve's group, such as the stitch that hair from a parting runs to.
@@ -259,7 +294,7 @@ declare! {
     /// Arc length before shortening or coiling, cm; 0: unchanged.
     FIBRE: f32 = "fibre_length", 0.0, cm;
     /// Distance of the root from where it was drawn, after the drawing is transferred to this head, cm.
-    DRIFT: f32 = "drift", 0.0, cm;
+    DRIFT: f32 = "drift", 0.0, cm => Whole;
     /// Id of the section of the scalp, between partings, that the root lies in. 0: none.
     SECTION: u64 = "section", 0;
     /// Id of the parting that a curve on the scalp is a piece of. 0: none.
@@ -277,18 +312,34 @@ declare! {
     /// Id of the puff, bun or tail that a hair belongs to. 0: none.
     PUFF: u64 = "puff", 0;
     /// Centre of the outline that the tips of a puff lie on, cm.
-    PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO, cm;
+    PUFF_CENTRE: Vec3 = "puff_centre", Vec3::ZERO, cm => Whole;
     /// Distance from the puff's centre to its outline at the end of this hair, cm; 0: none.
-    PUFF_RADIUS: f32 = "puff_radius", 0.0, cm;
+    PUFF_RADIUS: f32 = "puff_radius", 0.0, cm => Whole;
     /// Requested angle from the top of a puff down to which its tips reach, degrees; 0: unknown.
-    PUFF_COVERAGE: f32 = "puff_coverage", 0.0, degrees;
+    PUFF_COVERAGE: f32 = "puff_coverage", 0.0, degrees => Whole;
     /// Requested roughness of a puff's outline: how much deeper the innermost tips end than the outermost, as a
     /// fraction of the radius; how far tips may lie off the outline, cm; and the fraction of hairs that may stick out.
-    PUFF_EDGE: Vec3 = "puff_edge", Vec3::ZERO;
+    PUFF_EDGE: Vec3 = "puff_edge", Vec3::ZERO => Whole;
     /// Centre of the ring where hair leaves the tie that holds it, cm.
-    TIE: Vec3 = "tie", Vec3::ZERO, cm;
+    TIE: Vec3 = "tie", Vec3::ZERO, cm => Whole;
     /// Radius of that ring, cm; 0: no tie holds the hair.
-    TIE_RADIUS: f32 = "tie_radius", 0.0, cm;
+    TIE_RADIUS: f32 = "tie_radius", 0.0, cm => Whole;
+}
+
+/// Thickness that a braid needs at a point of its row for the hair picked up so far, as a fraction of the largest.
+pub(crate) const GIRTH: &str = "girth";
+/// Fraction of a row's hair that has joined its braid up to a point of the row.
+pub(crate) const JOINED: &str = "joined";
+
+/// How clusters and strands are shaped and filled: passed on to those made from them, not to the hair that fills them.
+pub(crate) const OF_CLUSTERS: &[&str] =
+    &[RADIUS.name, ROLL.name, FLATNESS.name, FRIZZ.name, DENSITY.name, CUT.name, GIRTH, JOINED];
+
+/// Whether an attribute is a user's own, or says how hair looks: what hair takes from a curve that it runs along without being
+/// made from it.
+pub(crate) fn is_look(name: &str) -> bool {
+    let is_declared = DECLARED.iter().any(|(declared, ..)| *declared == name);
+    name == COLOUR.name || name == WIDTH.name || !(is_declared || OF_CLUSTERS.contains(&name))
 }
 
 #[cfg(test)]

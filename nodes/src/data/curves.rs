@@ -96,6 +96,10 @@ impl Tuft {
         let at = self.attributes.binary_search_by(|a| a.name.as_ref().cmp(name)).ok()?;
         Some(&self.attributes[at])
     }
+    /// Whether any attribute has a value of its own for each point.
+    pub fn differs_by_point(&self) -> bool {
+        self.attributes.iter().any(Attribute::differs_by_point)
+    }
     /// The values of a declared attribute, or its default if the tuft has none (or one of another type).
     pub fn view<T: Item>(&self, declared: Declared<T>) -> AttributeView<'_, T> {
         self.view_named(declared.name).unwrap_or(AttributeView::Shared(declared.default))
@@ -243,6 +247,14 @@ impl TuftBuilder {
     /// Whether there are no curves yet.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+    /// Range of curve `i` in its points.
+    pub(crate) fn range(&self, i: usize) -> Range<usize> {
+        self.offsets[i] as usize..self.offsets[i + 1] as usize
+    }
+    /// Whether an attribute with this name is set.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.attributes.iter().any(|attribute| attribute.name == name)
     }
     /// All points, to change in place: hair that exists is moved by `data/route` alone.
     pub(super) fn points_mut(&mut self) -> &mut [Vec3] {

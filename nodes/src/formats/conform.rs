@@ -14,8 +14,8 @@
 //! no more than `Effort::most_tried` says. Stopping is heard within any curve.
 
 use super::repair::{Allowance, Mender, Read};
-use crate::data::attribute_transfer::between;
-use crate::data::attributes::{self as a, Domain};
+use crate::data::attribute_transfer::carry;
+use crate::data::attributes as a;
 use crate::data::curves::{AttributeView, Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::has_dip;
 use crate::data::scalp::{Scalp, Skin};
@@ -441,20 +441,14 @@ fn conformed(tuft: &Arc<Tuft>, looked: &Looked, goes: impl Fn(&Mended) -> bool) 
         }
         kept.push(i as u32);
     }
-    for attribute in tuft.attributes() {
-        let values = match attribute.domain {
-            Domain::Curve => attribute.values.gather(&kept),
-            Domain::Point => between(&attribute.values, &places),
-        };
-        out.set_column(a::Attribute { values, ..attribute.clone() });
-    }
+    carry(tuft, &kept, &places, &mut out);
     Arc::new(out.build())
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::data::attributes::ID;
+    use crate::data::attributes::{Domain, ID};
     use crate::data::curves::MOST_A_CURVE;
     use crate::eval::PlainHost;
     use crate::maths::catmull_rom_agreement::AGREE;

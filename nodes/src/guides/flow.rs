@@ -11,7 +11,8 @@
 
 use super::even_roots::EvenRoots;
 use super::grower::{CLEARANCE, Grower, bind};
-use crate::data::attributes::{Attribute, Domain, ID, PARENT, ROOT_UV, SECTION, UNCUT};
+use crate::data::attribute_transfer::{CvPlace, Lineage};
+use crate::data::attributes::{Domain, ID, PARENT, SECTION, UNCUT};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{Root, Scalp};
 use crate::define::{NodeError, node};
@@ -55,7 +56,7 @@ node! {
         seed: i64 = 0;
     }
     outputs {
-        /// The guides, one tuft each, with the attributes of their nearest strokes.
+        /// The guides, one tuft each, with the attributes of the strokes that they follow.
         curves: Curves;
     }
 }
@@ -132,7 +133,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
         let points = grower.grow(root, length, first, rise, |at| {
             way(at.u, at.normal, at.distance).normalize_or(at.direction)
         });
-        Ok([guide(&inputs, *name, root, led[0].stroke, &points)])
+        Ok([guide(&inputs, *name, root, led, &points)])
     })?;
     Ok(Outputs { curves })
 }
@@ -165,6 +166,15 @@ struct Followed<'a> {
 }
 
 impl Followed<'_> {
+    /// The place of the stroke that a fraction of a guide follows; its tip beyond it.
+    fn place(&self, u: f32) -> CvPlace {
+        let stroke = self.stroke;
+        let at = stroke.row.spline.locate(self.from + u * self.length / stroke.row.length());
+        let last = stroke.tuft.range(stroke.curve).len() - 2;
+        // What was cut off has no CVs.
+        if at.span > last { (last as u32, 1.0) } else { (at.span as u32, at.t) }
+    }
+
     /// The direction that it gives at a fraction of a guide, where the guide is `off` the skin (cm) and the skin has this normal.
     fn way(&self, u: f32, normal: Vec3, off: f32, (down, unit): (Vec3, f32)) -> Vec3 {
         let stroke = self.stroke;
@@ -329,17 +339,22 @@ fn length(
     }
 }
 
-fn guide(inputs: &Inputs, name: u64, root: &Root, stroke: &StrokeOnSkin, points: &[Vec3]) -> Tuft {
+fn guide(inputs: &Inputs, name: u64, root: &Root, led: &[Followed], points: &[Vec3]) -> Tuft {
+    let nearest = led[0].stroke;
     let mut b = TuftBuilder::new();
     b.push_curve(points);
-    for attribute in stroke.tuft.attributes().iter().filter(|a| a.domain == Domain::Curve) {
-        let values = attribute.values.gather(&[stroke.curve as u32]);
-        b.set_column(Attribute { values, ..attribute.clone() });
-    }
-    [ROOT_UV.name, SECTION.name, UNCUT.name].iter().for_each(|name| b.remove(name));
     b.set(ID, Domain::Curve, vec![curve_id(0, inputs.seed as u64, name)]);
-    b.set(PARENT, Domain::Curve, vec![stroke.tuft.id(stroke.curve)]);
+    b.set(PARENT, Domain::Curve, vec![nearest.tuft.id(nearest.curve)]);
     bind(&mut b, root, &inputs.scalp);
+    let links: Vec<(u32, f32)> = (0..).zip(led).map(|(k, one)| (k, one.weight)).collect();
+    let last = (points.len() - 1) as f32;
+    let lineage = Lineage {
+        parent: &|k| (led[k as usize].stroke.tuft, led[k as usize].stroke.curve),
+        of: &|_| &links,
+        places: &|k| (0..points.len()).map(|p| led[k as usize].place(p as f32 / last)).collect(),
+        takes: &|name| name != SECTION.name,
+    };
+    lineage.pass_on(&mut b);
     b.build()
 }
 

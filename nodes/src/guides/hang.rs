@@ -9,8 +9,9 @@
 //!  only curves that changed run again.
 
 use super::fall::{Fall, Thread};
+use crate::data::attribute_transfer::{Lineage, ONE_PARENT, carry_root, evenly};
 use crate::data::attributes::{
-    Attribute, Domain, ID, NORMAL, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
+    Domain, ID, NORMAL, PARENT, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::scalp::{HEAD_RADIUS, Root, Scalp};
@@ -131,10 +132,6 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
     let tufts = threads.iter().zip(&from).zip(&*fallen).map(|((thread, (tuft, i)), points)| {
         let mut b = TuftBuilder::new();
         b.push_curve(points);
-        for attribute in tuft.attributes().iter().filter(|a| a.domain == Domain::Curve) {
-            let values = attribute.values.gather(&[*i as u32]);
-            b.set_column(Attribute { values, ..attribute.clone() });
-        }
         b.set(ID, Domain::Curve, vec![thread.id]);
         b.set(PARENT, Domain::Curve, vec![tuft.id(*i)]);
         b.set(RADIUS, Domain::Curve, vec![thread.clearance]);
@@ -149,7 +146,16 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             let tangent = (points[1] - points[0]).normalize_or(thread.direction);
             let normal = across(root.normal, tangent).unwrap_or_else(|| any_normal(tangent));
             b.set(NORMAL, Domain::Curve, vec![normal]);
+        } else {
+            carry_root(tuft, *i, &mut b);
         }
+        let lineage = Lineage {
+            parent: &|_| (tuft, *i),
+            of: &|_| ONE_PARENT,
+            places: &|_| evenly(tuft.curve(*i), points.len()),
+            takes: &|_| true,
+        };
+        lineage.pass_on(&mut b);
         Arc::new(b.build())
     });
     Ok(Outputs { curves: Curves::new(tufts.collect()) })

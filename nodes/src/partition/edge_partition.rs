@@ -13,8 +13,10 @@
 use super::parting_hair::{
     self, Middle, PartingHairParams, Reach, RowSection, RowTerritory, Rules,
 };
+use crate::data::attribute_transfer::{CvPlace, Lineage, own_parents, place_of};
 use crate::data::attributes::{
-    ALONG, BRAID, Domain, GROUP, ID, PARENT, RADIUS, SCALP_NORMAL, SECTION, SIDE, WIDTH,
+    ALONG, BRAID, Domain, GROUP, ID, OF_CLUSTERS, PARENT, RADIUS, SCALP_NORMAL, SECTION, SIDE,
+    WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Field;
@@ -421,7 +423,7 @@ fn hairs(
         };
         row_hairs(cx, inputs, rules, (tuft, i), &ground, read, &mut made, piece)?;
     }
-    made.tuft(inputs)
+    made.tuft(tuft, inputs)
 }
 
 /// The section that most of a row lies in; `None` if hairs may cross, or if nothing is parted.
@@ -440,6 +442,8 @@ fn own_section<'a>(rules: &Rules<'a>, row: &Row) -> Option<RowSection<'a>> {
 #[derive(Default)]
 struct Made {
     hair: TuftBuilder,
+    /// The row of each, and the place there that it runs to.
+    from: Vec<(usize, CvPlace)>,
     ids: Vec<u64>,
     rows: Vec<u64>,
     braids: Vec<u64>,
@@ -450,7 +454,7 @@ struct Made {
 }
 
 impl Made {
-    fn tuft(self, inputs: &Inputs) -> Result<Tuft, NodeError> {
+    fn tuft(self, rows: &Tuft, inputs: &Inputs) -> Result<Tuft, NodeError> {
         let mut hair = self.hair;
         if hair.is_empty() {
             return Ok(hair.build());
@@ -470,6 +474,14 @@ impl Made {
             let id = |root: &Root| sections.id_of(root).unwrap_or_default();
             hair.set(SECTION, Domain::Curve, self.roots.iter().map(id).collect());
         }
+        let own = own_parents(hair.len());
+        let lineage = Lineage {
+            parent: &|i| (rows, self.from[i as usize].0),
+            of: &|i| &own[i],
+            places: &|i| vec![self.from[i as usize].1],
+            takes: &|name| name != WIDTH.name && !OF_CLUSTERS.contains(&name),
+        };
+        lineage.pass_on(&mut hair);
         let hair = hair.build();
         let width = inputs.width.on(&hair, Some(&inputs.scalp))?;
         let (mut edit, cvs) = (hair.edit(), inputs.cvs as usize);
@@ -590,6 +602,7 @@ fn row_hairs(
             }
         }
         made.hair.push_curve(&points);
+        made.from.push((curve, place_of(row.spline.locate(end_u))));
         made.ids.push(id);
         made.rows.push(row.id);
         made.braids.push(braid);

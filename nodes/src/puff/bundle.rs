@@ -8,7 +8,8 @@
 //! the inside of a narrow arch turns about itself.
 
 use super::tie::Tie;
-use crate::data::attributes::{Attribute, Column, Domain, FIBRE, ID, PARENT, PUFF};
+use crate::data::attribute_transfer::{CvPlace, carry};
+use crate::data::attributes::{Domain, FIBRE, ID, PARENT, PUFF};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::ramp::Ramp;
 use crate::data::route::makers::lift_drawn;
@@ -137,9 +138,9 @@ impl Bundle<'_> {
         let of = tuft.view(PUFF);
         let mut out = TuftBuilder::new();
         let (mut parents, mut lengths) = (vec![], vec![]);
+        let kept: Vec<u32> = (0..tuft.len() as u32).collect();
         let mut points: Vec<Vec3> = vec![];
-        // For each new point, the old point that its values come from.
-        let mut from: Vec<u32> = vec![];
+        let mut places: Vec<CvPlace> = vec![];
         for i in 0..tuft.len() {
             piece.tick()?;
             let (id, range) = (tuft.id(i), tuft.range(i));
@@ -166,19 +167,17 @@ impl Bundle<'_> {
             }
             // Point values move along in proportion to the number of points.
             let (old, new) = (range.len().max(1) - 1, points.len().max(2) - 1);
-            from.extend((0..points.len()).map(|k| (range.start + k * old / new) as u32));
+            places.extend((0..points.len()).map(|k| {
+                let before = (k * old / new).min(old.max(1) - 1);
+                let t = (k * old - before * new) as f32 / new as f32;
+                ((range.start + before) as u32, t)
+            }));
             let whole: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
             lengths.push(whole);
             parents.push(parent);
             out.push_curve(&points);
         }
-        for attribute in tuft.attributes() {
-            let values: Column = match attribute.domain {
-                Domain::Curve => attribute.values.clone(),
-                Domain::Point => attribute.values.gather(&from),
-            };
-            out.set_column(Attribute { values, ..attribute.clone() });
-        }
+        carry(tuft, &kept, &places, &mut out);
         if self.locks > 0 {
             out.set(PARENT, Domain::Curve, parents);
         }

@@ -13,9 +13,10 @@
 use super::At;
 use super::dome::{Dome, Polar};
 use super::tie::Tie;
+use crate::data::attribute_transfer::{Lineage, evenly};
 use crate::data::attributes::{
-    Domain, FIBRE, ID, NORMAL, PARENT, PUFF, RADIUS, ROOT_BARY, ROOT_TRIANGLE, ROOT_UV,
-    SCALP_NORMAL, SECTION, TIE, TIE_RADIUS, WIDTH,
+    Domain, FIBRE, ID, NORMAL, OF_CLUSTERS, PARENT, PUFF, RADIUS, ROOT_BARY, ROOT_TRIANGLE,
+    ROOT_UV, SCALP_NORMAL, SECTION, TIE, TIE_RADIUS, WIDTH,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::{lift, lift_each};
@@ -196,7 +197,7 @@ fn eval(cx: &EvalCx, inputs: Inputs) -> Result<Outputs, NodeError> {
             Some(_) => gatherer.given(&given[from..to], piece),
             None => gatherer.rooted(from as u32..to as u32)?,
         };
-        Ok([gatherer.hair(&roots, piece)?])
+        Ok([gatherer.hair(&roots, given.get(from..to).unwrap_or(&[]), piece)?])
     })?;
     let tufts = |of: &dyn Fn(&Tie) -> Option<Tuft>| {
         Curves::new(ties.iter().filter_map(|tie| of(tie).map(Arc::new)).collect())
@@ -332,6 +333,8 @@ impl Without {
 #[derive(Clone, Copy)]
 struct Rooted {
     id: u64,
+    /// The curve that it is the hair of, by its number among those given.
+    of: Option<u32>,
     root: Root,
     tie: usize,
     place: Polar,
@@ -400,7 +403,7 @@ impl Gatherer<'_> {
             {
                 let id = curve_id(self.ties[tie].tie.id, self.inputs.seed as u64, name);
                 self.edge(id, &root, tie, &mut out);
-                out.push(Rooted { id, root, tie, place });
+                out.push(Rooted { id, of: None, root, tie, place });
             }
         }
         Ok(out)
@@ -434,7 +437,7 @@ impl Gatherer<'_> {
             let near = |n| self.dice.signed(id, 16 + 2 * k + n) * 0.5 * width;
             if let Some((root, place)) = grows(root.point + away * near(0) + aside * near(1)) {
                 let id = curve_id(id, self.inputs.seed as u64, k);
-                out.push(Rooted { id, root, tie, place });
+                out.push(Rooted { id, of: None, root, tie, place });
             }
         }
     }
@@ -442,11 +445,12 @@ impl Gatherer<'_> {
     /// Roots of curves.
     fn given(&self, curves: &[(&Tuft, usize)], piece: &mut Piece) -> Vec<Rooted> {
         let mut out = Vec::with_capacity(curves.len());
-        for (tuft, i) in curves {
+        for (number, (tuft, i)) in (0..).zip(curves) {
+            let of = Some(number);
             let at = tuft.curve(*i).first().copied().unwrap_or(Vec3::NAN);
             match self.scalp.closest_root(at) {
                 Some(root) => match self.tie_of(&root) {
-                    Ok((tie, place)) => out.push(Rooted { id: tuft.id(*i), root, tie, place }),
+                    Ok((tie, place)) => out.push(Rooted { id: tuft.id(*i), of, root, tie, place }),
                     Err(without) => piece.remark(tuft.id(*i), without.said()),
                 },
                 None => piece.trouble(tuft.id(*i), "a curve without a root was left out"),
@@ -488,7 +492,13 @@ impl Gatherer<'_> {
         Ok((tie, place))
     }
 
-    fn hair(&self, roots: &[Rooted], piece: &mut Piece) -> Result<Tuft, NodeError> {
+    /// Hair of these roots, which those of the `given` curves may be among.
+    fn hair(
+        &self,
+        roots: &[Rooted],
+        given: &[(&Tuft, usize)],
+        piece: &mut Piece,
+    ) -> Result<Tuft, NodeError> {
         let each = self.inputs.points as usize;
         let mut points = Vec::with_capacity(roots.len() * each);
         let mut lengths = Vec::with_capacity(roots.len());
@@ -541,6 +551,19 @@ impl Gatherer<'_> {
         }
         b.set(FIBRE, Domain::Curve, lengths);
         b.set(WIDTH, Domain::Curve, vec![self.inputs.width]);
+        let links: Vec<[(u32, f32); 1]> =
+            roots.iter().map(|rooted| [(rooted.of.unwrap_or_default(), 1.0)]).collect();
+        let lineage = Lineage {
+            parent: &|number| given[number as usize],
+            of: &|hair| &links[hair][..given.len().min(1)],
+            places: &|number| {
+                let (tuft, i) = given[number as usize];
+                evenly(tuft.curve(i), each)
+            },
+            // Combed anew, it faces elsewhere.
+            takes: &|name| name != NORMAL.name && !OF_CLUSTERS.contains(&name),
+        };
+        lineage.pass_on(&mut b);
         Ok(b.build())
     }
 

@@ -6,8 +6,8 @@
 //! ear; smoothing bridges that.
 
 use super::lay::{bind, laid, scalp_normals};
-use crate::data::attribute_transfer::between;
-use crate::data::attributes::{Attribute, Domain, SCALP_NORMAL};
+use crate::data::attribute_transfer::carry;
+use crate::data::attributes::{Domain, SCALP_NORMAL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::field::Sampler;
 use crate::data::scalp::{Root, Scalp};
@@ -113,13 +113,7 @@ fn projected(
         places.extend(us.iter().map(|place| (first + place.span as u32, place.t)));
         out.push_curve(&points);
     }
-    for attribute in tuft.attributes() {
-        let values = match attribute.domain {
-            Domain::Curve => attribute.values.gather(&kept),
-            Domain::Point => between(&attribute.values, &places),
-        };
-        out.set_column(Attribute { values, ..attribute.clone() });
-    }
+    carry(tuft, &kept, &places, &mut out);
     if !kept.is_empty() {
         out.set(SCALP_NORMAL, Domain::Point, normals);
         bind(&mut out, &roots);

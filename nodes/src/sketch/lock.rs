@@ -3,16 +3,17 @@
 //! Guarantees: an untouched curve is the input tuft itself, to the bit, so that nothing downstream runs for it; a
 //! touched curve keeps all its other attributes, mapped by position along the old curve.
 
+use crate::data::attribute_transfer::{CvPlace, carry};
 use crate::data::attributes::{
-    COLOUR, CUT, Column, DENSITY, DRIFT, Domain, FRIZZ, ID, Item, NORMAL, PINNED, RADIUS, ROLL,
-    ROOT_BARY, ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, UNCUT, default_of,
+    COLOUR, CUT, DENSITY, DRIFT, Domain, FRIZZ, ID, NORMAL, PINNED, RADIUS, ROLL, ROOT_BARY,
+    ROOT_TRIANGLE, ROOT_UV, SCALP_NORMAL, SECTION, UNCUT,
 };
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::lift_exactly;
 use crate::data::scalp::{Root, Scalp, Skin};
 use crate::maths::frame::smallest_rotation;
 use crate::maths::spline::{Spline, SplineParam};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// A curve and the changes made by gestures.
@@ -200,12 +201,16 @@ impl Lock {
             && self.from.iter().enumerate().all(|(k, from)| *from == k as f32);
         let mut b = TuftBuilder::new();
         b.push_curve(&self.points);
-        for attribute in base.attributes() {
-            let mut one = attribute.clone();
-            if !same && one.domain == Domain::Point && one.values.len() > 1 {
-                one.values = along(&one.values, &self.from);
-            }
-            b.set_column(one);
+        if same {
+            base.attributes().iter().for_each(|attribute| b.set_column(attribute.clone()));
+        } else {
+            let last = base.points().len().saturating_sub(2);
+            let place = |from: &f32| {
+                let before = (*from as usize).min(last);
+                (before as u32, (from - before as f32).clamp(0.0, 1.0))
+            };
+            let places: Vec<CvPlace> = self.from.iter().map(place).collect();
+            carry(base, &[0], &places, &mut b);
         }
         let was = Self::new(base.clone());
         if self.density != was.density {
@@ -274,28 +279,4 @@ pub(super) struct Implanted {
     pub colour: Option<Vec3>,
     /// Drift of the root, cm.
     pub drift: f32,
-}
-
-/// The values of a column at positions between CVs; integers and ids take the nearest.
-fn along(values: &Column, places: &[f32]) -> Column {
-    fn each<T: Item>(v: &[T], places: &[f32], mix: impl Fn(T, T, f32) -> T) -> Column {
-        let at = |place: &f32| {
-            let k = (*place as usize).min(v.len().saturating_sub(2));
-            mix(v[k], v[(k + 1).min(v.len() - 1)], (place - k as f32).clamp(0.0, 1.0))
-        };
-        T::column(places.iter().map(at).collect())
-    }
-    fn nearest<T>(a: T, b: T, t: f32) -> T {
-        if t < 0.5 { a } else { b }
-    }
-    if values.is_empty() {
-        return default_of("", values);
-    }
-    match values {
-        Column::F32(v) => each(v, places, |a, b, t| a + (b - a) * t),
-        Column::I32(v) => each(v, places, nearest),
-        Column::U64(v) => each(v, places, nearest),
-        Column::Vec2(v) => each(v, places, |a: Vec2, b, t| a + (b - a) * t),
-        Column::Vec3(v) => each(v, places, |a: Vec3, b, t| a + (b - a) * t),
-    }
 }
