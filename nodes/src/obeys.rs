@@ -17,6 +17,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+mod carried;
 mod nudge;
 
 /// What lies over partings, and at most so large a share of it: all where it is no hair or does so by what it is for, and little that is
