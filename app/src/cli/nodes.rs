@@ -125,7 +125,9 @@ fn cell(text: &str) -> String {
 
 fn attributes() -> String {
     let mut text = "\n## Attributes\n\nWhat curves can carry, by the names that fields use, and the names under which USD and Alembic \
-                    hold it.\n\n| attribute | in files | type | |\n|---|---|---|---|\n"
+                    hold it. Hair that is made from curves takes over what they carry, attributes of your own too: numbers, vectors \
+                    and colours are mixed as the shapes of the curves are, and change along the hair as along them; ids and counts \
+                    are those of the nearest. What says how a cluster is shaped and filled stays with clusters.\n\n| attribute | in files | type | |\n|---|---|---|---|\n"
         .to_owned();
     for (name, ty, doc) in DECLARED {
         text += &format!("| `{name}` | `{}` | {ty} | {} |\n", file_name(name), cell(doc.trim()));
