@@ -267,6 +267,8 @@ declare! {
     /// Normal, pointing out of the hair, of the plane through a cluster's tip that cuts its strands. Unit; zero: not
     /// cut.
     CUT: Vec3 = "cut", Vec3::ZERO => Whole;
+    /// Pressure of the pen at each point of a stroke, 0 to 1. It stays with the stroke.
+    PRESSURE: f32 = "pressure", 0.0 => Own;
     /// Arc length that a drawn curve had before it was cut, cm; 0: not cut.
     UNCUT: f32 = "uncut_length", 0.0, cm => Own;
     /// Colour, linear Rec.709.

@@ -7,7 +7,7 @@
 //! every CV, or lie higher where they would cut through folds between CVs; free ones never run below the skin. A stroke
 //! without length is dropped and named in a message.
 
-use crate::data::attributes::{DRIFT, Domain, ID, RADIUS, SCALP_NORMAL};
+use crate::data::attributes::{DRIFT, Domain, ID, PRESSURE, RADIUS, SCALP_NORMAL};
 use crate::data::curves::{Curves, Tuft, TuftBuilder};
 use crate::data::route::makers::lift;
 use crate::data::scalp::{Root, Scalp, Skin};
@@ -189,7 +189,7 @@ fn drawn_curve(
     tuft.push_curve(&points);
     tuft.set(ID, Domain::Curve, vec![id]);
     tuft.set(SCALP_NORMAL, Domain::Point, normals.clone());
-    tuft.set_named("pressure".into(), Domain::Point, pressure.clone());
+    tuft.set(PRESSURE, Domain::Point, pressure.clone());
     lay::bind(&mut tuft, root.as_slice());
     if let Some(root) = &root {
         tuft.set(DRIFT, Domain::Curve, vec![root.point.distance(drawn)]);
