@@ -682,10 +682,11 @@ fn girth_at(row: &Row, u: f32) -> f32 {
     at(&row.girth, u)
 }
 
-/// Where on a row of so many CVs the fraction `u` of its braid lies; at its tip where the braid goes on beyond.
+/// The place on a row of `cvs` CVs (at least 2) that corresponds to the fraction `u` of its braid; the tip, if the braid extends beyond the
+/// row.
 fn on_row(source: Behind, u: f32, cvs: usize) -> CvPlace {
     let place = source.place(u);
-    let last = cvs - 2;
+    let last = cvs.saturating_sub(2);
     if place.span > last { (last as u32, 1.0) } else { (place.span as u32, place.t) }
 }
 

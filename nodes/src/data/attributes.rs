@@ -173,7 +173,7 @@ pub enum CarryRule {
     Blended,
     /// That of the nearest parent; of points, that of its point before. Ids and counts.
     Inherited,
-    /// That of the nearest parent, where it is said of a whole curve; what is said of single points is of those alone.
+    /// The value of the nearest parent if it has one for the whole curve; values per point are not passed on.
     Whole,
     /// None: it says something of the parent alone.
     Own,

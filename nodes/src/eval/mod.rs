@@ -141,11 +141,12 @@ pub struct EvalCx<'a> {
     unit: f32,
     /// The scalp of pieces that run by place.
     scalp: Option<&'a TracedScalp>,
-    /// What is made at least of each lot of strands, where there are so many.
+    /// The fewest strands to make of each lot, if it has that many.
     least: usize,
 }
 
-/// Of one lot of strands a preview makes so many at least, and all lots together so many for that reason; the same for a first look.
+/// The fewest strands that a preview makes of each lot, and the most that this minimum may add up to over all lots; then the same for a
+/// first look.
 const PREVIEW_LEAST: (usize, usize) = (16, 10_000);
 const FIRST_LEAST: (usize, usize) = (4, 1_000);
 
@@ -159,7 +160,7 @@ impl<'a> EvalCx<'a> {
         };
         Self { seed, quality, node, node_untraced: None, host, log, unit: 1.0, scalp: None, least }
     }
-    /// For pieces that make a lot of strands each, `lots` in all: where there are many, a preview makes fewer of each than of one alone.
+    /// For nodes that make `lots` separate lots of strands: with many lots, a preview makes fewer strands of each, so that it stays small.
     pub fn in_lots(&self, lots: usize) -> EvalCx<'a> {
         let most = match self.quality {
             Quality::Final => return EvalCx { ..*self },
