@@ -178,7 +178,7 @@ impl<'a> Skin<'a> {
     /// What a hair sees from its root on a triangle, the value of its attribute; `None` if it is not rooted there, or on a rough mesh.
     #[inline]
     pub(crate) fn view_from(&self, root: Vec3, triangle: i32) -> Option<View> {
-        if self.is_rough() || !self.bounds_nearby() {
+        if !self.parts_air() {
             return None;
         }
         self.field.view_from(self.surface, root, u32::try_from(triangle).ok()?)
@@ -187,7 +187,12 @@ impl<'a> Skin<'a> {
     /// Whether a span, in this ball, is far from the skin or higher than all skin beside it. False means unknown.
     #[inline]
     pub(crate) fn is_over(&self, span: &DrawnSpan, ball: (Vec3, f32)) -> bool {
-        !self.is_rough() && self.bounds_nearby() && self.field.is_over(self.surface, span, ball)
+        self.parts_air() && self.field.is_over(self.surface, span, ball)
+    }
+
+    /// Whether air that is outside in one place is outside wherever no skin lies between.
+    fn parts_air(&self) -> bool {
+        !self.is_rough() && self.surface.parts_in_from_out()
     }
 
     /// Whether distances of the field bound those nearby.
